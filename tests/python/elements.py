@@ -145,7 +145,8 @@ class Elements(unittest.TestCase):
         ways = [dict(blocks), blocks, dict(numbered), numbered, [Block(*pair) for pair in blocks],
                 [(kind, cells.tolist()) for kind, cells in blocks],
                 [(kind, cells.astype("u8")) for kind, cells in blocks],
-                (lists, types), (lists.astype("i4"), types.astype("u1")), (flat, offsets, types)]
+                (lists, types), (lists.astype("i4"), types.astype("u1")), (flat, offsets, types),
+                tuple(array.astype("u8") for array in (flat, offsets, types)), [*blocks, ("wedge15", [])]]
         meshes = [Mesh(points, cells=[Block(*pair) for pair in blocks]), Mesh(points, cells=lists, celltypes=types)]
         expected = planish.quality(points, dict(blocks), per_element=True)
         self.assertEqual(sum(expected.cells.counts.values()), len(rows) - 2)
@@ -522,6 +523,7 @@ class Elements(unittest.TestCase):
         refuse("integers", (lists, types.astype(float)), TypeError)
         refuse("offsets of", (tetra.ravel(), np.array([0, 8, 4]), np.array([10, 10])))
         refuse("offsets of", (tetra.ravel(), np.array([0, 4]), np.array([10])))
+        refuse("offsets of", (np.arange(12), np.array([0, 8, 4, 12], dtype="u4"), np.full(3, 42)))
         refuse("columns", good, at=points[:, :2].copy())
         corners, pyramid = self.unit("pyramid13")
         self.assertEqual(planish.quality(corners, {"pyramid13": pyramid}).n_elements, 0)

@@ -254,8 +254,8 @@ class InGmsh(unittest.TestCase):
         gmsh.model.setPhysicalName(3, group, "ball")
         tags, held = nodes(3, volume, True)
         start = nodes()
-        for fix in ("ball", ["ball"], str(group), f"3:{group}", (3, volume), [(3, volume)], tags, tags.tolist(),
-                    np.isin(start[0], tags)):
+        for fix in ("ball", ["ball"], ("ball", "3:1"), str(group), f"3:{group}", (3, volume), [(3, volume)], tags,
+                    tags.tolist(), tuple(tags.tolist()), np.isin(start[0], tags)):
             planish.gmsh.smooth(fix=fix)
             np.testing.assert_array_equal(nodes(3, volume, True)[1], held)
             self.assertGreater(np.abs(nodes()[1] - start[1]).max(), 1e-4)
@@ -293,6 +293,34 @@ class InGmsh(unittest.TestCase):
         moved = nodes()[0][(nodes()[1] != start).any(axis=1)]
         self.assertGreater(len(moved), len(chosen) // 2)
         self.assertTrue(np.isin(moved, chosen).all())
+        expected = nodes()[1]
+        for tag, place in zip(nodes()[0], start):
+            MESH.setNode(tag, place, [])
+        planish.gmsh.smooth(around=np.isin(nodes()[0], chosen))
+        np.testing.assert_array_equal(nodes()[1], expected)
+
+    def test_nodes_are_numbers(self):
+        cylinder()
+        start = nodes()[1]
+        for name in "fix", "around":
+            with self.assertRaisesRegex(TypeError, f"{name} must be Gmsh's numbers"):
+                planish.gmsh.smooth(**{name: [5.5]})
+            with self.assertRaisesRegex(ValueError, f"{name} is a mask of shape"):
+                planish.gmsh.smooth(**{name: [True, True]})
+        np.testing.assert_array_equal(nodes()[1], start)
+
+    def test_like_in_planes(self):
+        """Coordinates in space are those of the plane that the mesh lies in."""
+        places = {}
+        for make in disk, disk_across_x:
+            gmsh.model.add(make.__name__)
+            make()
+            like = nodes()[1]
+            planish.gmsh.smooth()
+            self.assertGreater(np.abs(nodes()[1] - like).max(), 1e-4)
+            planish.gmsh.smooth(like=like)
+            places[make.__name__] = np.abs(nodes()[1] - like).max()
+        self.assertLess(max(places.values()), 1e-3)
 
     def test_quality(self):
         block_with_ball()

@@ -2,9 +2,12 @@
 
 import importlib
 import inspect
+import os
 import pathlib
 import re
+import subprocess
 import sys
+import tempfile
 import threading
 import types
 import unittest
@@ -159,6 +162,19 @@ class Sets(unittest.TestCase):
                         cell_sets={"part": [np.arange(7)]})
             planish.smooth(mesh, fix=name)
             np.testing.assert_array_equal(mesh.points, wanted)
+        mesh = Mesh(points.copy(), cells=[Block("tetra", cells)], cell_data={},
+                    point_sets={"wall": np.isin(np.arange(len(points)), stay), "far": [len(points)]},
+                    cell_sets={"part": [np.arange(len(cells)) < 7], "none": [[-1]], "gmsh:bounding_entities": [[1]]})
+        for name, wanted in (("wall", expected), ("part", by_cells)):  # masks
+            mesh.points = points.copy()
+            planish.smooth(mesh, fix=name)
+            np.testing.assert_array_equal(mesh.points, wanted)
+        for name, text in (("far", "set of points 'far' has a number"), ("none", "set of cells 'none' has a number"),
+                           ("gmsh:bounding_entities", "no set 'gmsh:bounding_entities'; it has: wall, far, part, none")):
+            with self.assertRaisesRegex(ValueError, text):
+                planish.smooth(mesh, fix=name)
+        mesh = Mesh(points.copy(), cells=[Block("tetra", cells)], cell_data={}, point_sets={"wall": stay},
+                    cell_sets={"part": [np.arange(7)]})
         with self.assertRaisesRegex(ValueError, "no set 'roof'; it has: wall, part"):
             planish.smooth(mesh, fix="roof")
         with self.assertRaisesRegex(ValueError, "it has: none"):
@@ -199,7 +215,37 @@ class StandIn(types.ModuleType):
         return decorate
 
     def registered_accessors(self):
-        return self.entries
+        raise AssertionError("PyVista imports all other packages that have accessors")
+
+
+LAZY = """
+import importlib
+pending = {"planish": "%s"}  # entry points, whose modules are imported when an attribute is missed
+
+
+class DataObject:
+    def __getattr__(self, name):
+        if name not in pending:
+            raise AttributeError(name)
+        importlib.import_module(pending.pop(name))
+        return getattr(self, name)
+
+
+class UnstructuredGrid(DataObject):
+    pass
+
+
+class PolyData(DataObject):
+    pass
+
+
+def register_dataset_accessor(name, target):
+    def decorate(accessor):
+        assert name not in vars(target), "PyVista 0.48 warns"
+        setattr(target, name, property(accessor))
+        return accessor
+    return decorate
+"""
 
 
 class PyVista(unittest.TestCase):
@@ -216,6 +262,28 @@ class PyVista(unittest.TestCase):
         self.assertLess(mesh.planish.quality(threads=1).rms_radius_ratio, before.rms_radius_ratio)
         self.assertFalse(mesh.planish.find_layers().any())
         self.assertFalse(planish.accessor.register(types.ModuleType("pyvista")))  # an older one
+
+    def test_pyvista_finds_it(self):
+        """The module of the entry point registers it when PyVista first misses it, whatever was imported before."""
+        text = (PACKAGE.parents[2] / "pyproject.toml").read_text()
+        (module,) = re.findall(r'"pyvista\.accessors"\]\nplanish = "(.+)"', text)
+        with tempfile.TemporaryDirectory() as folder:
+            pathlib.Path(folder, "pyvista.py").write_text(LAZY % module)
+            path = os.pathsep.join([folder, str(PACKAGE.parent), os.environ.get("PYTHONPATH", "")])
+            for imports in "import pyvista", "import planish, pyvista", "import pyvista, planish":
+                for kind in "UnstructuredGrid", "PolyData":
+                    done = subprocess.run(
+                        [sys.executable, "-c", f"{imports}\nassert pyvista.{kind}().planish.quality, 'none'"],
+                        env=dict(os.environ, PYTHONPATH=path), check=False, stderr=subprocess.PIPE, text=True)
+                    self.assertEqual(done.stderr, "", imports)
+
+    def test_other_data_sets_of_pyvista(self):
+        class StructuredGrid(Mesh):
+            def cast_to_unstructured_grid(self):
+                raise AssertionError("the caller's points would stay")
+
+        with self.assertRaisesRegex(TypeError, "not StructuredGrid; give its cast_to_unstructured_grid"):
+            planish.smooth(StructuredGrid(box(3)[0]))
 
     def test_registers_itself(self):
         before, sys.modules["pyvista"] = sys.modules.get("pyvista"), StandIn()

@@ -182,6 +182,9 @@ class Smoothing(unittest.TestCase):
         masked = start.copy()
         planish.smooth(masked, cells, fix=mask)
         np.testing.assert_array_equal(points, masked)
+        of_set = start.copy()
+        planish.smooth(of_set, cells, fix=set(fixed.tolist()))
+        np.testing.assert_array_equal(points, of_set)
 
         none, all_of_them = start.copy(), start.copy()
         planish.smooth(none, cells, fix=[])
@@ -432,6 +435,36 @@ class Refusals(unittest.TestCase):
         self.refuse(ValueError, "around has a number", points, cells, around=[len(points)])
         self.refuse(TypeError, "fix must be numbers", points, cells, fix=[0.5])
         self.refuse(ValueError, "fix is a mask", points, cells, fix=np.ones(3, dtype=bool))
+        self.refuse(TypeError, "slide must be auto", points, cells, slide=True)
+        self.refuse(ValueError, "objective must be", points, cells, objective="")
+        self.refuse(ValueError, "regions: array 'regions' has not one", points, cells, regions=False)
+        self.refuse(TypeError, "like must be an array", points, cells, like=points.tolist())
+        with self.assertRaisesRegex(ValueError, "start is where"):
+            planish.quality(points, cells, start=points)
+        with self.assertRaisesRegex(TypeError, "meshes of planish.read, not ndarray"):
+            planish.write(points, "out.vtk")
+
+    def test_masked_values_are_refused(self):
+        """The library would take the numbers behind the mask."""
+        points, cells, _ = box(3, 3)
+        start = points.copy()
+
+        def masked(values):
+            return np.ma.masked_array(values, np.arange(np.size(values)).reshape(np.shape(values)) == 40)
+
+        for given in (masked(points), cells), (masked(points.astype(np.float32)), cells):
+            self.refuse(ValueError, "points has masked values", *given)
+            self.assertTrue(given[0].mask.any())
+        self.refuse(ValueError, "cells has masked values", points, masked(cells))
+        self.refuse(ValueError, "type tetra has masked values", points, {"tetra": masked(cells)})
+        for name, values in (("fix", np.arange(50)), ("around", np.arange(50)), ("size", np.ones(len(points))),
+                             ("min_volume", np.ones(len(cells))), ("regions", np.ones(len(cells))), ("like", points)):
+            self.refuse(ValueError, f"{name} has masked values", points, cells, **{name: masked(values)})
+        np.testing.assert_array_equal(points, start)
+        whole = np.ma.masked_array(points.copy())
+        planish.smooth(whole, cells)
+        planish.smooth(points, cells)
+        np.testing.assert_array_equal(whole.data, points)
 
     def test_errors_say_where(self):
         points, cells, _ = box(2, cells=3)
@@ -641,6 +674,8 @@ class Surfaces(unittest.TestCase):
         curved = planish.find_slides(points, cells, surface_of=shape, fix=[0])
         self.assertGreaterEqual(curved.info.n_on_patch, shape.info.n_on_patch - 1)
         self.assertEqual(curved.constraint[0], 1)
+        again = planish.find_slides(points, cells, surface_of=points.copy(), fix=[0])
+        np.testing.assert_array_equal(again.constraint, curved.constraint)
 
     def test_curved_boundaries_are_smoothed(self):
         first, cells, inside = ball()
@@ -981,6 +1016,30 @@ class Locks(unittest.TestCase):
             plan.smooth(progress=progress)
             self.assertGreaterEqual(len(refused), 5)
             self.assertEqual(plan.quality().n_inverted, 0)
+
+    def test_refused_calls_leave_the_options(self):
+        """Options of a call that is refused are not those of the run that goes on."""
+        points, cells, _ = box(3)
+        usual = planish.smooth(points.copy(), cells, threads=1)
+        refused = []
+        with planish.Plan(points, cells, threads=1) as plan:
+
+            def intrude():
+                try:
+                    plan.smooth(max_sweeps=1)
+                except RuntimeError as error:
+                    refused.append(error)
+
+            def progress(_):
+                thread = threading.Thread(target=intrude)
+                thread.start()
+                thread.join(60)
+                intrude()
+
+            result = plan.smooth(progress=progress)
+        self.assertGreater(len(refused), 2)
+        self.assertGreater(usual.sweeps, 1)
+        self.assertEqual((result.stop, result.sweeps), (usual.stop, usual.sweeps))
 
     def test_others_wait(self):
         points, cells, _ = box(3, cells=8)

@@ -13,7 +13,17 @@ cache=$(mktemp -d)
 trap 'rm -rf "$cache"' EXIT
 /usr/bin/mypy --cache-dir "$cache" || exit 1
 /usr/bin/pydocstyle tools/python/planish || exit 1
-# A call that is wrong is found, as the package says that it has types.
+# A call that is right passes; one that is wrong is found, as the package says that it has types.
+cat >"$cache/right.py" <<'END'
+import numpy as np
+import planish
+points, cells = np.zeros((4, 3)), np.zeros((1, 4), dtype=int)
+for nodes in np.ones(4, dtype=bool), cells[0]:
+    planish.smooth(points, cells, around=nodes, fix=nodes, box=[[0, 0, 0], [1, 1, 1]])
+planish.Plan(points, {"tetra": cells}, around=[1, 2], fix={1, 2}).smooth(max_displacement="0.5h", min_volume=1)
+planish.smooth(points, cells, around={1}, fix={"wall"}, slide=["auto"], min_volume={"wall": 1.0})
+END
+MYPYPATH=tools/python /usr/bin/mypy --config-file= --cache-dir "$cache" "$cache/right.py" || exit 1
 cat >"$cache/wrong.py" <<'END'
 import planish
 planish.smooth(1, objective="best")

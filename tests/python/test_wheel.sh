@@ -33,8 +33,8 @@ wheel=$(echo "$work"/planish-*.whl)
 # ---- listed ---------------------------------------------------------------------------------------
 run $python -m zipfile -l "$wheel"
 cp log list
-for name in planish/__init__.py planish/py.typed planish/accessor.py planish/bin/planish \
-    planish/lib/libplanish.so.0.2 planish/lib/libplanish_io.so.0.2 dist-info/LICENSE \
+for name in planish/__init__.py planish/py.typed planish/accessor.py planish/pyvista_plugin.py planish/bin/planish \
+    planish/lib/libplanish.so.0.2 planish/lib/libplanish_io.so.0.2 dist-info/.*LICENSE \
     dist-info/entry_points.txt; do
     grep -q "$name" list || fail "the wheel lacks $name"
 done

@@ -21,6 +21,12 @@ def pointer(array: Optional[Array]) -> c_void_p:
     return c_void_p(address(array))
 
 
+def refuse_masked(values: Any, what: str) -> None:
+    """Refuse masked values, as the library would take the numbers behind the mask; what: the name of the argument."""
+    if isinstance(values, np.ma.MaskedArray) and np.any(values.mask):
+        raise ValueError(f"{what} has masked values; leave them out, or fill them")
+
+
 class _Borrowed:
     """Memory of an owner that numpy can look at; the array keeps the owner."""
 
@@ -51,12 +57,14 @@ def is_in_space(points: Array) -> bool:
 class Points:
     """Coordinates as the library takes them: the caller's array, or a copy to be written back."""
 
-    def __init__(self, points: Any, dim: int, strides: Optional[tuple[int, int]] = None, writes: bool = False) -> None:
+    def __init__(self, points: Any, dim: int, strides: Optional[tuple[int, int]] = None, writes: bool = False,
+                 name: str = "points") -> None:
         """Take points [n, dim or more].
 
-        strides: those that the array must have, in doubles; None: any will do. writes: it will change.
+        strides: those that the array must have, in doubles; None: any will do. writes: it will change. name: that of
+        the caller's argument.
         """
-        self._check(points, dim, writes)
+        self._check(points, dim, writes, name)
         self.points: Array = points[:, :dim]
         self.is_float = points.dtype.itemsize == 4
         self.array = self.points
@@ -66,15 +74,16 @@ class Points:
         self.strides: tuple[int, int] = (self.array.strides[0] // 8, self.array.strides[1] // 8)
 
     @staticmethod
-    def _check(points: Any, dim: int, writes: bool) -> None:
+    def _check(points: Any, dim: int, writes: bool, name: str) -> None:
         if not isinstance(points, np.ndarray) or points.ndim != 2:
-            raise TypeError("points must be an array of numpy of two dimensions")
+            raise TypeError(f"{name} must be an array of numpy of two dimensions")
         if points.shape[1] < dim:
-            raise ValueError(f"points has {points.shape[1]} columns, but cells need {dim}")
+            raise ValueError(f"{name} has {points.shape[1]} columns, but cells need {dim}")
         if points.dtype.newbyteorder("=") not in (np.float64, np.float32):
-            raise TypeError(f"points must be of float64 or float32, not {points.dtype}")
+            raise TypeError(f"{name} must be of float64 or float32, not {points.dtype}")
+        refuse_masked(points, name)
         if writes and not points.flags.writeable:
-            raise ValueError("points is read-only; give a copy")
+            raise ValueError(f"{name} is read-only; give a copy")
         if dim == 2 and is_in_space(points):
             raise ValueError("triangles must lie in a plane of constant z; smooth and quality take others, as surfaces")
 
@@ -101,6 +110,7 @@ class Points:
 
 def simplices(cells: Any) -> Array:
     """Return cells [m, 3 or 4] as the library takes them: int32 or int64, without a copy where that can be."""
+    refuse_masked(cells, "cells")
     cells = np.asarray(cells)
     if cells.ndim != 2 or cells.shape[1] not in (3, 4):
         raise ValueError(f"cells must be [m, 3] (triangles) or [m, 4] (tetrahedra), not {cells.shape}")
@@ -122,7 +132,8 @@ def narrow(nodes: Array) -> Array:
 
 def chosen_nodes(nodes: Any, n: int, what: str) -> NDArray[np.int64]:
     """Return numbers of nodes, from numbers or a mask [n]."""
-    nodes = np.asarray(nodes)
+    refuse_masked(nodes, what)
+    nodes = np.asarray(list(nodes) if isinstance(nodes, (set, frozenset)) else nodes)
     if nodes.dtype == bool:
         if nodes.shape != (n,):
             raise ValueError(f"{what} is a mask of shape {nodes.shape}, not ({n},)")

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import operator
 from typing import Any, NamedTuple, Optional
 
 import numpy as np
 
-from ._arrays import Array
+from ._arrays import Array, refuse_masked
 from ._cell_types import POLYGON, POLYLINE, POLYVERTEX, STRIP, TYPES, WIDTHS, CellType, type_of
 
 
@@ -27,7 +28,7 @@ def _flat(nodes: Any) -> list[int]:
     """Return all numbers in lists of lists, as of the faces of polyhedra."""
     if isinstance(nodes, (list, tuple, np.ndarray)):
         return [number for part in nodes for number in _flat(part)]
-    return [int(nodes)]
+    return [operator.index(nodes)]
 
 
 def _nodes_of(data: Any) -> Array:
@@ -43,11 +44,14 @@ def _nodes_of(data: Any) -> Array:
 
 def _block(name: Any, data: Any, at: Array, values: dict[str, Any]) -> Block:
     """Return cells of a type by its name or number."""
+    refuse_masked(data, f"the array of cells of type {name}")
     nodes, (kind, order) = _nodes_of(data), type_of(name)
     if nodes.dtype.kind not in "iu":
         raise TypeError(f"cells of type {name} must be integers, not {nodes.dtype}")
     if kind is None:
         return Block(None, name, nodes.ravel(), at, values)
+    if nodes.shape == (0,):  # an empty list
+        nodes = nodes.reshape(0, kind.n_nodes)
     if nodes.ndim != 2 or nodes.shape[1] != kind.n_nodes:
         raise ValueError(f"cells of type {name} must be [m, {kind.n_nodes}], not {nodes.shape}")
     return Block(kind, name, nodes if order is None else nodes[:, order], at, values)
@@ -86,6 +90,7 @@ def _check_arrays(nodes: Array, offsets: Array, types: Array) -> None:
 
 def _of_arrays(nodes: Array, offsets: Array, types: Array, data: dict[str, Any]) -> list[Block]:
     """Return cells of VTK's arrays: the nodes of cell i are nodes[offsets[i]:offsets[i + 1]]."""
+    offsets = offsets.astype(np.int64, copy=False)  # differences of unsigned numbers are never negative
     _check_arrays(nodes, offsets, types)
     blocks = []
     for number in np.flatnonzero(np.bincount(types, minlength=256)).tolist():
@@ -175,6 +180,9 @@ def blocks_of_mesh(mesh: Any) -> list[Block]:
         return _of_pairs([(block.type, block.data) for block in cells], cell_data(mesh))
     if hasattr(mesh, "faces"):
         return _of_polydata(mesh)
+    if hasattr(mesh, "cast_to_unstructured_grid"):
+        raise TypeError(f"planish takes UnstructuredGrid and PolyData of pyvista, not {type(mesh).__name__}; give its "
+                        "cast_to_unstructured_grid(), which is a copy")
     raise TypeError("give points and cells as arrays, or a mesh of planish.read, meshio or pyvista")
 
 
@@ -199,6 +207,7 @@ def _of_tuple(cells: tuple[Array, ...]) -> list[Block]:
     """Return cells of VTK's arrays, (lists, types) or (nodes, offsets, types)."""
     if any(array.dtype.kind not in "iu" for array in cells):
         raise TypeError("arrays of cells must be integers")
+    cells = tuple(array.astype(np.int64) if array.dtype == np.uint64 else array for array in cells)
     nodes, offsets = _counted(cells[0], "cells", cells[-1]) if len(cells) == 2 else cells[:2]
     return _of_arrays(nodes, offsets, cells[-1], {})
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Callable, Literal, NamedTuple, Optional, Sequence, Union
+from typing import AbstractSet, Any, Callable, Literal, NamedTuple, Optional, Sequence, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,7 +22,8 @@ Direction = Literal["newton", "fletcher-reeves"]
 Layers = Literal["hold", "keep", "ignore"]
 Slide = Union[str, Sequence[str]]  # auto, curved, none or groups
 Length = Union[float, str]  # a number, or one and h: in edges
-Fix = Union[str, Sequence[str], ArrayLike]  # groups, or nodes
+Nodes = Union[ArrayLike, AbstractSet[int]]  # numbers, or a mask
+Fix = Union[str, Sequence[str], AbstractSet[str], Nodes]  # groups, or nodes
 Path = Union[str, "os.PathLike[str]"]
 
 _OBJECTIVES = {"radius-ratio": 0, "mean-ratio": 1, "edge-ratio": 2, "worst": 0}
@@ -63,7 +64,10 @@ class PlanChoices(NamedTuple):
 
     def slides(self) -> tuple[bool, bool, list[str]]:
         """Return whether nodes slide, whether also on curved surfaces, and the groups that they slide on alone."""
-        words = [] if self.slide is None else [self.slide] if isinstance(self.slide, str) else list(self.slide)
+        given = [] if self.slide is None else [self.slide] if isinstance(self.slide, str) else self.slide
+        if not np.iterable(given) or not all(isinstance(word, str) for word in given):
+            raise TypeError(f"slide must be auto, curved, none, None or names of groups, not {given!r}")
+        words = list(given)
         groups = [word for word in words if word not in ("auto", "curved", "none")]
         return any(word != "none" for word in words), "curved" in words, groups
 
@@ -152,8 +156,10 @@ def _check_objective(run: RunChoices, has_types: bool) -> None:
 
 def _set_objective(run: RunChoices, options: Options, has_types: bool) -> None:
     """Set what a run minimises."""
-    options.objective = _number_of(run.objective or "radius-ratio", _OBJECTIVES, "objective")
-    worst = _number_of(run.worst_measure or ("scaled-jacobian" if has_types else "dihedral"), _WORST, "worst_measure")
+    objective = "radius-ratio" if run.objective is None else run.objective
+    measure = ("scaled-jacobian" if has_types else "dihedral") if run.worst_measure is None else run.worst_measure
+    options.objective = _number_of(objective, _OBJECTIVES, "objective")
+    worst = _number_of(measure, _WORST, "worst_measure")
     _check_objective(run, has_types)
     options.worst = worst if run.objective == "worst" else 0
     options.worst_rise = run.worst_rise

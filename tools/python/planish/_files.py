@@ -307,6 +307,8 @@ def write(mesh: Mesh, path: Union[str, "os.PathLike[str]"], *, threads: int = 0)
         path: as for Mesh.write
         threads: as for read
     """
+    if not isinstance(mesh, Mesh):
+        raise TypeError(f"write is for meshes of planish.read, not {type(mesh).__name__}; other packages write theirs")
     mesh.tell(path, mesh.write_quietly(path, threads), 3)
 
 

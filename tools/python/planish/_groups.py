@@ -19,20 +19,25 @@ def names_in(fix: Any) -> list[str]:
     return []
 
 
-def _of_cells(mesh: Any, rows: Any) -> list[Any]:
-    """Return the nodes of a set of cells: rows of each block."""
-    return [np.asarray(block.data)[np.asarray(chosen, dtype=np.int64)].ravel()
+def _of_cells(mesh: Any, name: str, rows: Any) -> list[Any]:
+    """Return the nodes of a set of cells: rows of each block, or masks."""
+    return [np.asarray(block.data)[chosen_nodes(chosen, len(block.data), f"the set of cells {name!r}")].ravel()
             for block, chosen in zip(mesh.cells, rows) if chosen is not None and len(chosen)]
 
 
-def _named(mesh: Any, name: str) -> Any:
+def _sets(mesh: Any, kind: str) -> dict[str, Any]:
+    """Return the sets of a kind; what meshio keeps there of Gmsh's are no rows of cells."""
+    return {name: rows for name, rows in (getattr(mesh, kind, None) or {}).items() if not name.startswith("gmsh:")}
+
+
+def _named(mesh: Any, name: str, n: int) -> Any:
     """Return the nodes of a set of points or cells of meshio."""
-    points, cells = getattr(mesh, "point_sets", None) or {}, getattr(mesh, "cell_sets", None) or {}
+    points, cells = _sets(mesh, "point_sets"), _sets(mesh, "cell_sets")
     if name in points:
-        return np.asarray(points[name], dtype=np.int64).ravel()
+        return chosen_nodes(points[name], n, f"the set of points {name!r}")
     if name in cells:
-        return np.concatenate([np.zeros(0, dtype=np.int64), *_of_cells(mesh, cells[name])])
-    known = ", ".join(map(str, [*points, *cells])) or "none"
+        return np.concatenate([np.zeros(0, dtype=np.int64), *_of_cells(mesh, name, cells[name])])
+    known = ", ".join([*points, *cells]) or "none"
     raise ValueError(f"fix: the mesh has no set {name!r}; it has: {known}")
 
 
@@ -41,7 +46,7 @@ def nodes_to_fix(mesh: Any, fix: Any, n: int) -> NDArray[np.int64]:
     names = names_in(fix)
     if not names:
         return chosen_nodes(fix, n, "fix")
-    return chosen_nodes(np.concatenate([_named(mesh, name) for name in names]), n, "fix")
+    return chosen_nodes(np.concatenate([_named(mesh, name, n) for name in names]), n, "fix")
 
 
 def data_of_points(mesh: Any) -> dict[str, Any]:

@@ -6,15 +6,15 @@ import contextlib
 import os
 import threading
 from ctypes import byref, c_void_p
-from typing import Any, Callable, Iterator, Mapping, Optional, Sequence, Union
+from typing import Any, Callable, Iterator, Mapping, Optional, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _targets
-from ._arrays import Points, address, chosen_nodes, pointer
-from ._choices import (Direction, Fix, Layers, Length, Method, Objective, Path, PlanChoices, RunChoices, Slide,
-                       WorstMeasure, check_plan, set_run, size_weight_of)
+from ._arrays import Points, address, chosen_nodes, pointer, refuse_masked
+from ._choices import (Direction, Fix, Layers, Length, Method, Nodes, Objective, Path, PlanChoices, RunChoices,
+                       Slide, WorstMeasure, check_plan, set_run, size_weight_of)
 from ._files import opened
 from ._fit import Fit
 from ._layers import take_layers
@@ -52,6 +52,7 @@ def _take_min_volume(view: View, given: Any) -> None:
     """Give the view the minimum volumes of its elements: an array [m], or volumes by groups."""
     if isinstance(given, Mapping):
         given = view.name_min_volumes(given)
+    refuse_masked(given, "min_volume")
     volumes = np.require(given, np.float64, ["C", "A"])
     if volumes.shape != (view.elements.n,):
         raise ValueError(f"min_volume must have one value for each of {view.elements.n} elements")
@@ -100,7 +101,7 @@ class Plan:
         threads: int = 0,
         only_worse_than: float = 0,
         rings: int = 0,
-        around: Optional[Sequence[int]] = None,
+        around: Optional[Nodes] = None,
         regions: Any = BY_RULE,
         rounding: Optional[float] = None,
         layers: Optional[Layers] = None,
@@ -420,8 +421,8 @@ class Plan:
     def run(self, points: Any, choices: RunChoices) -> Result:
         """Smooth the mesh in place, with options of one run, for modules of this package."""
         options, result = self._options, Result()
-        set_run(choices, options, self._view, self._view.has_types())
-        with self._use():
+        with self._use():  # the options, too, are those of who smooths
+            set_run(choices, options, self._view, self._view.has_types())
             taken = self._coordinates(points, writes=True)
             self._view.set_storage(options, taken)
             if self.shape is not None:

@@ -15,7 +15,7 @@ from ._files import opened
 from ._library import call, library, new_options, threads_to_use
 from ._regions import BY_RULE
 from ._results import CellQuality, Quality, SizeQuality, Slides
-from ._shapes import Shape
+from ._shapes import shape_for
 from ._surfaces import SpaceSurface
 from ._view import View
 from ._views import Holding, Source, view_of
@@ -62,6 +62,8 @@ def quality(points: Any, cells: Any = None, *, fix: Optional[Fix] = None, region
         start: where the points were when the size was given; None: where they are
         threads: as for Plan
     """
+    if start is not None and size is None:
+        raise ValueError("start is where the size was given: give size, too")
     source = Source(points, cells)
     surface = SpaceSurface.of(source, PlanChoices(fix=fix, regions=regions, threads=threads))
     if surface is not None:
@@ -81,7 +83,7 @@ def quality(points: Any, cells: Any = None, *, fix: Optional[Fix] = None, region
 
 
 def find_slides(points: Any, cells: Any = None, *, fix: Optional[Fix] = None, regions: Any = BY_RULE,
-                surface_of: Optional[Shape] = None, slide_interfaces: bool = False, threads: int = 0) -> Slides:
+                surface_of: Any = None, slide_interfaces: bool = False, threads: int = 0) -> Slides:
     """Return which nodes slide on planes and straight edges.
 
     Args:
@@ -89,14 +91,16 @@ def find_slides(points: Any, cells: Any = None, *, fix: Optional[Fix] = None, re
         cells: as for Plan
         fix: as for Plan
         regions: as for Plan
-        surface_of: a Shape, on whose patches and curves nodes slide, too
+        surface_of: as for Plan: nodes slide on its patches and curves, too
         slide_interfaces: as for Plan
         threads: as for Plan
     """
-    view = view_of(Source(points, cells), Holding(fix, regions, True), threads)
+    source = Source(points, cells)
+    view = view_of(source, Holding(fix, regions, True), threads)
+    shape = None if surface_of is None else shape_for(source, opened(surface_of), regions, 0, threads)
     surface = view.surface()
     surface.slide_interfaces = bool(slide_interfaces)
-    surface.shape = None if surface_of is None else surface_of.pointer().value
+    surface.shape = None if shape is None else shape.pointer().value
     info = view.find_slides(surface)
     assert view.constraint is not None and view.direction is not None
     return Slides(view.constraint, view.direction, info)

@@ -8,7 +8,7 @@ from typing import Any, Optional
 import numpy as np
 from numpy.typing import NDArray
 
-from ._arrays import Array, address, pointer
+from ._arrays import Array, address, pointer, refuse_masked
 from ._library import call, library, threads_to_use
 from ._structures import CellArray
 from ._view import View
@@ -46,9 +46,9 @@ def names_of(regions: Any) -> Optional[list[str]]:
     """Return the names of arrays that regions are, None: they are values."""
     if isinstance(regions, str):
         return [regions]
-    if isinstance(regions, np.ndarray) or not all(isinstance(name, str) for name in regions):
+    if isinstance(regions, np.ndarray) or not np.iterable(regions):
         return None
-    return list(regions)
+    return list(regions) if all(isinstance(name, str) for name in regions) else None
 
 
 def _wanted(data: dict[str, Any], regions: Any) -> dict[str, Any]:
@@ -59,6 +59,7 @@ def _wanted(data: dict[str, Any], regions: Any) -> dict[str, Any]:
         return data
     names = names_of(regions)
     if names is None:
+        refuse_masked(regions, "regions")
         return {"regions": regions}
     for name in names:
         if name not in data:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Mapping, Optional, Sequence, Union
+from typing import Any, Callable, Mapping, Optional, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._choices import (Direction, Fix, Layers, Length, Method, Objective, Path, PlanChoices, RunChoices, Slide,
-                       WorstMeasure, layers_of_smooth)
+from ._choices import (Direction, Fix, Layers, Length, Method, Nodes, Objective, Path, PlanChoices, RunChoices,
+                       Slide, WorstMeasure, layers_of_smooth)
 from ._plan import Plan
 from ._promises import promises_for
 from ._regions import BY_RULE
@@ -28,7 +28,7 @@ def smooth(
     threads: int = 0,
     only_worse_than: float = 0,
     rings: int = 0,
-    around: Optional[Sequence[int]] = None,
+    around: Optional[Nodes] = None,
     regions: Any = BY_RULE,
     rounding: Optional[float] = None,
     layers: Optional[Layers] = None,

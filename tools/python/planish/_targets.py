@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._arrays import Points, pointer
+from ._arrays import Points, pointer, refuse_masked
 from ._library import call, library, threads_to_use
 from ._view import View
 
@@ -18,7 +18,7 @@ def take_places(view: View, points: Any, what: str) -> None:
     points = view.places_of(points)
     if np.shape(points)[:1] != (view.n,):
         raise ValueError(f"{what} must have a row for each of {view.n} points, not the shape {np.shape(points)}")
-    view.give("reference", Points(points, view.dim, view.points.strides).array)
+    view.give("reference", Points(points, view.dim, view.points.strides, name=what).array)
 
 
 def take_like(view: View, points: Any) -> None:
@@ -29,6 +29,7 @@ def take_like(view: View, points: Any) -> None:
 
 def take_size(view: View, size: Any) -> None:
     """Let the elements have these sizes [n] or metrics [n, dim, dim], given at the points."""
+    refuse_masked(size, "size")
     values, dim = np.ascontiguousarray(size, dtype=float), view.dim
     view.prepare_targets()
     if values.shape == (view.n,):

@@ -183,5 +183,5 @@ class View:
         points = self.places_of(places)
         if np.shape(points)[:1] != (self.n,):
             raise ValueError(f"{what} must have a row for each of {self.n} points, not the shape {np.shape(points)}")
-        self._moved = Points(points, self.dim, self.points.strides)
+        self._moved = Points(points, self.dim, self.points.strides, name=what)
         self.mesh.coordinates = address(self._moved.array)

@@ -1,19 +1,18 @@
 """Accessor of PyVista: mesh.planish.smooth(), mesh.planish.quality().
 
-PyVista 0.48 and later finds it by itself where the package is installed (the entry point pyvista.accessors), and
-import planish registers it if PyVista was imported before. Elsewhere register it by register(pyvista), or call
-planish.smooth(mesh).
+PyVista 0.48 and later finds it by itself where the package is installed (pyvista_plugin.py), and import planish
+registers it if PyVista was imported before. Elsewhere register it by register(pyvista), or call planish.smooth(mesh).
 """
 
 from __future__ import annotations
 
 import sys
-from typing import Any, Callable, Mapping, Optional, Sequence, Union
+from typing import Any, Callable, Mapping, Optional, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._choices import Direction, Fix, Layers, Length, Method, Objective, Path, Slide, WorstMeasure
+from ._choices import Direction, Fix, Layers, Length, Method, Nodes, Objective, Path, Slide, WorstMeasure
 from ._quality import find_layers, quality
 from ._regions import BY_RULE
 from ._results import Quality, Result
@@ -39,7 +38,7 @@ class Accessor:
         threads: int = 0,
         only_worse_than: float = 0,
         rings: int = 0,
-        around: Optional[Sequence[int]] = None,
+        around: Optional[Nodes] = None,
         regions: Any = BY_RULE,
         rounding: Optional[float] = None,
         layers: Optional[Layers] = None,
@@ -108,9 +107,8 @@ def register(pyvista: Any) -> bool:
     """Register the accessor, if this PyVista has accessors. Return whether it is registered."""
     if not hasattr(pyvista, "register_dataset_accessor"):
         return False
-    known: list[Any] = getattr(pyvista, "registered_accessors", list)()
-    if not any(entry.name == NAME and entry.accessor is Accessor for entry in known):
-        for target in (pyvista.UnstructuredGrid, pyvista.PolyData):
+    for target in (pyvista.UnstructuredGrid, pyvista.PolyData):
+        if NAME not in vars(target):  # registered_accessors would import all other packages with accessors
             pyvista.register_dataset_accessor(NAME, target)(Accessor)
     return True
 

@@ -205,33 +205,50 @@ def _entities_of(choice: Any) -> list[tuple[int, int]]:
 
 
 def _is_choice(choice: Any) -> bool:
-    return isinstance(choice, (str, tuple))
+    """Whether it is a name or number in a text, or (dim, tag)."""
+    return isinstance(choice, str) or (isinstance(choice, tuple) and len(choice) == 2
+                                       and all(isinstance(number, (int, np.integer)) for number in choice))
+
+
+def _chosen_nodes(mesh: _Mesh, chosen: Any, what: str) -> Array:
+    """Indices of nodes by numbers of Gmsh's, or a mask."""
+    nodes = np.asarray(chosen).ravel()
+    if nodes.dtype == bool:
+        if nodes.shape != mesh.tags.shape:
+            raise ValueError(f"{what} is a mask of shape {nodes.shape}, not {mesh.tags.shape}")
+        return np.flatnonzero(nodes)
+    if nodes.size and nodes.dtype.kind not in "iu":
+        raise TypeError(f"{what} must be Gmsh's numbers of nodes or a mask, not {nodes.dtype}")
+    return mesh.index(nodes)
 
 
 def _nodes_to_fix(mesh: _Mesh, fix: Any) -> Array:
     """Indices of the nodes that fix means: those of groups and entities, numbers of Gmsh's, or a mask."""
     choices = [fix] if _is_choice(fix) else fix
-    if isinstance(choices, (list, set)) and all(map(_is_choice, choices)):
+    if isinstance(choices, (list, tuple, set, frozenset)) and all(map(_is_choice, choices)):
         found = [gmsh.model.mesh.getNodes(dim, tag, True, False)[0] for choice in choices
                  for dim, tag in _entities_of(choice)]
         return mesh.index(np.concatenate([np.zeros(0, dtype=np.int64), *found]))
-    nodes = np.asarray(fix)
-    if nodes.dtype != bool:
-        return mesh.index(nodes)
-    if nodes.shape != mesh.tags.shape:
-        raise ValueError(f"fix is a mask of shape {nodes.shape}, not {mesh.tags.shape}")
-    return np.flatnonzero(nodes)
+    return _chosen_nodes(mesh, fix, "fix")
 
 
-def _translated(mesh: _Mesh, options: dict[str, Any]) -> dict[str, Any]:
-    """Options with indices of nodes where users give Gmsh's names and numbers, and with all nodes that stay."""
+def _translated(mesh: _Mesh, given: Any, options: dict[str, Any]) -> dict[str, Any]:
+    """Options as planish takes them for the mesh given.
+
+    They have indices of nodes where users give Gmsh's names and numbers, all nodes that stay, and coordinates in the
+    plane.
+    """
     options = dict(options)
     held = mesh.periodic()
     if options.get("fix") is not None:
         held = np.concatenate([held, _nodes_to_fix(mesh, options["fix"])])
     options["fix"] = np.unique(held)
     if options.get("around") is not None:
-        options["around"] = mesh.index(options["around"])
+        options["around"] = _chosen_nodes(mesh, options["around"], "around")
+    for name in ("like", "start") if isinstance(given, _InPlane) else ():
+        places = options.get(name)
+        if places is not None and np.shape(places)[1:] == (3,):
+            options[name] = np.asarray(places)[:, given.columns]
     return options
 
 
@@ -320,7 +337,7 @@ def smooth(model: Optional[str] = None, dim: Optional[int] = None, **options: An
     with _Current(model):
         mesh = _Mesh(dim)
         before, given = mesh.points.copy(), mesh.given()
-        result = planish.smooth(given, **_translated(mesh, options))
+        result = planish.smooth(given, **_translated(mesh, given, options))
         if given is not mesh:
             mesh.points[:, given.columns] = given.points
         _write_nodes(mesh, before)
@@ -339,7 +356,8 @@ def quality(model: Optional[str] = None, dim: Optional[int] = None, **options: A
     """
     with _Current(model):
         mesh = _Mesh(dim)
-        found = planish.quality(mesh.given(), **_translated(mesh, options))
+        given = mesh.given()
+        found = planish.quality(given, **_translated(mesh, given, options))
         if found.elements is not None:
             tags = np.concatenate([block.tags for block in mesh.cells])
             found.elements = found.elements._replace(number=tags[found.elements.number])
