@@ -93,6 +93,10 @@ static int try_way(const pl_arguments *arguments, way *w, way *before, int *has_
 
 enum { LABEL = 25, COLUMN = 12 };
 
+static int is_narrow(void) {
+    return pl_text_width(stdout) < PL_TEXT_WIDTH;
+}
+
 static void put_number(double value) {
     if (isfinite(value))
         printf("%*.4g", COLUMN, value);
@@ -104,8 +108,9 @@ static void put_way(const way *w, const char *label, int is_tried) {
     printf("%-*s%*" PRId64, LABEL, label, COLUMN - 2, w->inverted);
     put_number(w->worst);
     put_number(w->least);
-    put_number(w->rms);
-    if (is_tried)
+    if (!is_narrow())
+        put_number(w->rms);
+    if (is_tried && !is_narrow())
         printf("%*.3f", COLUMN - 3, w->seconds);
     putchar('\n');
     if (w->is_stopped)
@@ -119,7 +124,8 @@ static void put_head(int has_types) {
     const int width[] = {COLUMN - 2, COLUMN, COLUMN, COLUMN, COLUMN - 3};
     printf("\n%s%-*s", pl_style_begin(stdout, PL_STYLE_HEADING), LABEL,
            "what smoothing would give");
-    for (size_t i = 0; i < sizeof columns / sizeof *columns; i++)
+    const size_t n = sizeof columns / sizeof *columns - (is_narrow() ? 2 : 0);
+    for (size_t i = 0; i < n; i++)
         printf("%*s", width[i], columns[i]);
     printf("%s\n", pl_style_end(stdout, PL_STYLE_HEADING));
 }

@@ -99,7 +99,7 @@ static double best_of(const pl_compared *mesh, int n, int c) {
 static void put_head(FILE *stream, int name_width, const selection *shown) {
     for (int line = 0; line < 2; line++) {
         fprintf(stream, "%s%-*s", pl_style_begin(stream, PL_STYLE_HEADING), name_width,
-                line ? "file" : "");
+                line && name_width >= LEAST_NAME ? "file" : "");
         for (int c = 0; c < N_COLUMNS; c++)
             if (shown->is_shown[c])
                 fprintf(stream, "%*s", columns[c].width, columns[c].head[line]);
