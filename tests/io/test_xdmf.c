@@ -495,7 +495,10 @@ static void other_files_are_not_overwritten(void **state) {
     planish_file *file = open_file(folder, "mesh.xdmf");
     writing_fails(file, folder, "out.xdmf", "out.bin: exists", 4);
     writing_fails(file, folder, "cells.xdmf", "cells.bin: is a file of the input", 4);
-    writing_fails(file, folder, "a&b.xdmf", "choose another name", 4);
+    static const char *const names[] = {"a&b.xdmf", "a|b.xdmf", " a.xdmf", "a\nb.xdmf", "a\xFF.xdmf",
+                                        "a\xC3.xdmf"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        writing_fails(file, folder, names[i], "cannot stand in the XML", 4);
     writing_fails(file, folder, "out.vtu", "does not have an extension", 4);
     test_folder_in(path, folder, "new");
     write_text(folder, "new/cells.bin", "precious");
@@ -507,6 +510,15 @@ static void other_files_are_not_overwritten(void **state) {
         0);
     assert_non_null(strstr(error.text, "cannot be written to a pipe"));
     planish_file_close(file);
+    /* A file that names "notout.bin" does not name out.bin. */
+    write_text(folder, "out.xdmf", "<a>notout.bin</a><b>out.bin2</b>");
+    file = open_file(folder, "mesh.xdmf");
+    writing_fails(file, folder, "out.xdmf", "out.bin: exists", 6);
+    planish_file_close(file);
+    write_text(folder, "out.xdmf", "out.bin");
+    file = open_file(folder, "mesh.xdmf");
+    free(move_node(file, 4, folder, "out.xdmf"));
+    planish_file_close(file);
     /* Where the name does not begin as that of the XML does, OUT must be in another folder. */
     test_write(folder, "points.bin", "head", 4);
     char *bytes = test_read(test_path(path, folder, "mesh.bin"), NULL);
@@ -514,7 +526,25 @@ static void other_files_are_not_overwritten(void **state) {
     free(bytes);
     write_text(folder, "mesh.xdmf", XDMF(GRID(TWO BYTES("points.bin"))));
     file = open_file(folder, "mesh.xdmf");
-    writing_fails(file, folder, "out.xdmf", "give an OUT in another folder", 6);
+    writing_fails(file, folder, "out.xdmf", "give an OUT in another folder", 7);
+    planish_file_close(file);
+}
+
+/** A copy of the file with the coordinates, which has a second name, must not replace the result. */
+static void a_file_has_one_name(void **state) {
+    char path[TEST_PATH_SIZE];
+    const char *folder = *state;
+    write_mesh(folder);
+    test_folder_in(path, folder, "sub");
+    test_folder_in(path, folder, "new");
+    test_folder_in(path, folder, "new/sub");
+    write_text(folder, "mesh.xdmf",
+               XDMF(GRID(TWO BYTES("mesh.bin") "<Attribute Name=\"h\"><DataItem Format=\"Binary\" "
+                                               "Precision=\"8\" Seek=\"4\" Dimensions=\"5\">"
+                                               "sub/../mesh.bin</DataItem></Attribute>")));
+    planish_file *file = open_file(folder, "mesh.xdmf");
+    writing_fails(file, folder, "new/mesh.xdmf", "as mesh.bin and as sub/../mesh.bin", 5);
+    assert_int_equal(test_count_files(test_path(path, folder, "new")), 1);
     planish_file_close(file);
 }
 
@@ -766,6 +796,7 @@ int main(void) {
         cmocka_unit_test(attributes_are_data),
         cmocka_unit_test(sets_are_groups_of_nodes),
         IN_FOLDER(a_file_beside_is_written),
+        IN_FOLDER(a_file_has_one_name),
         IN_FOLDER(other_files_are_not_overwritten),
         IN_FOLDER(bytes_are_read_as_they_are_said_to_be),
         IN_FOLDER(names_must_not_lead_outside),

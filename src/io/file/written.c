@@ -8,6 +8,7 @@
 #include "io/file/written.h"
 
 #include "io/core/bytes.h"
+#include "io/core/text.h"
 
 #include "base/memory.h"
 #include "base/output.h"
@@ -92,7 +93,12 @@ static int is_same_folder(const char *a, const char *b) {
     return is_same;
 }
 
-/** Return whether the file at path has the name in it. */
+/** Return whether a name may begin or end beside c, which stands in a file. */
+static int is_beside_name(char c) {
+    return c == '>' || c == '<' || c == ':' || c == '/' || io_is_space(c);
+}
+
+/** Return whether the file at path has the name in it, not as a piece of another one. */
 static int has_name(const char *path, const char *name) {
     const int64_t length = (int64_t)strlen(name);
     planish_error ignored;
@@ -100,9 +106,12 @@ static int has_name(const char *path, const char *name) {
     int has = 0;
     if (!pl_file_exists(path) || io_bytes_open_beside(path, IO_LARGEST_COPY, &bytes, &ignored))
         return 0;
-    for (const char *at = bytes.data, *end = at + bytes.size; !has && at && end - at >= length;) {
+    const char *at = bytes.data, *end = at + bytes.size;
+    while (!has && at && end - at >= length) {
         at = memchr(at, *name, (size_t)(end - at - length + 1));
-        has = at && memcmp(at, name, (size_t)length) == 0;
+        has = at && memcmp(at, name, (size_t)length) == 0 &&
+              (at == bytes.data || is_beside_name(at[-1])) &&
+              (end - at == length || is_beside_name(at[length]));
         at += at != NULL;
     }
     io_bytes_close(&bytes);
@@ -136,6 +145,27 @@ static int check_target(const planish_file *file, const char *out, const char *t
                          target, out);
 }
 
+/** Return whether XML has a name of n bytes as it is: UTF-8 without its marks. XDMF has '|' as a mark, and
+ *  drops blanks before a name. */
+static int is_plain_name(const char *name, size_t n) {
+    const unsigned char *at = (const unsigned char *)name, *end = at + n;
+    int n_more = 0;
+    for (; at < end; at += 1 + n_more) {
+        n_more = *at < 0x80   ? 0
+                 : *at < 0xC2 ? -1
+                 : *at < 0xE0 ? 1
+                 : *at < 0xF0 ? 2
+                 : *at < 0xF5 ? 3
+                              : -1;
+        if (*at < ' ' || strchr("&<>|", *at) || n_more < 0 || n_more >= end - at)
+            return 0;
+        for (int k = 1; k <= n_more; k++)
+            if ((at[k] & 0xC0) != 0x80)
+                return 0;
+    }
+    return n == 0 || *name != ' ';
+}
+
 /** Make the name of the file with the coordinates beside OUT, in the folder of the input: the name of
  *  OUT takes the place of that of the input. */
 static int make_name(const io_model *model, const char *out, char **name, planish_error *error) {
@@ -150,9 +180,10 @@ static int make_name(const io_model *model, const char *out, char **name, planis
                        "%s: the coordinates are in %s, whose name does not begin as that of %s "
                        "does; give an OUT in another folder, or %s itself",
                        out, old, opened, opened);
-    if (strcspn(out_name, "&<>") < out_stem)
+    if (!is_plain_name(out_name, out_stem))
         return pl_fail(error, PLANISH_ERROR_FILE,
-                       "%s: has a character that XML does not have as it is; choose another name",
+                       "%s: this name cannot stand in the XML of the result; choose one in UTF-8 "
+                       "without & < > | and leading blanks",
                        out);
     *name = pl_alloc((int64_t)size, 1);
     if (!*name)
@@ -183,13 +214,20 @@ static int add_beside(const planish_file *file, const char *out, const char *nam
                           .source = is_input ? NULL : beside(io_model_opened(model)->path, name),
                           .path = beside(out, name),
                           .has_coordinates = is_input};
-    /* One that is not there is not there for OUT neither. */
-    const int is_none =
-        written.source && written.path &&
-        (!pl_file_exists(written.source) || is_same_file(written.source, written.path));
-    const int status = is_none || !written.path || (!is_input && !written.source)
-                           ? PLANISH_OK
-                           : check_target(file, out, written.path, name, error);
+    int status = PLANISH_OK, is_none = 0;
+    if (!written.path || (!is_input && !written.source))
+        status = pl_fail_memory(error, out);
+    else if (!is_input) /* a file that is missing beside the input is missing beside OUT, too */
+        is_none = !pl_file_exists(written.source) || is_same_file(written.source, written.path);
+    if (!status && !is_none && !is_input && model->document.data &&
+        strcmp(pl_path_name(name), pl_path_name(model->beside[0])) == 0 &&
+        is_same_file(written.source, model->input.path))
+        status = pl_fail(error, PLANISH_ERROR_FILE,
+                         "%s: names the file of the coordinates as %s and as %s, whose copy might "
+                         "replace the result; use one name",
+                         io_model_opened(model)->path, model->beside[0], name);
+    if (!status && !is_none)
+        status = check_target(file, out, written.path, name, error);
     if (!is_none && !status)
         return add(list, written, error);
     pl_free(written.source);
@@ -221,10 +259,12 @@ static int add_named(const planish_file *file, const char *out, io_written_list 
     int status = is_near && has_document ? make_name(model, out, &name, error) : PLANISH_OK;
     if (!status && name)
         status = rename_input(model, name, &first.edits, error);
-    if (!status)
+    if (!status) {
         status = add(list, first, error);
-    else
-        pl_free(first.path), io_edits_destroy(&first.edits);
+    } else {
+        pl_free(first.path);
+        io_edits_destroy(&first.edits);
+    }
     if (!status && has_document)
         status = add_beside(file, out, name ? name : model->beside[0], 1, list, error);
     for (int64_t i = has_document; i < model->n_beside && !is_near && !status; i++)
