@@ -8,6 +8,7 @@
 #include "io/file/written.h"
 
 #include "io/core/bytes.h"
+#include "io/core/include.h"
 
 #include "base/memory.h"
 #include "base/output.h"
@@ -175,10 +176,18 @@ static int rename_input(const io_model *model, const char *name, io_edits *edits
     return status;
 }
 
+static int is_same_name(const char *a, const char *b) {
+    return io_include_compare((io_slice){a, a + strlen(a)}, (io_slice){b, b + strlen(b)}) == 0;
+}
+
 /** Add the file of that name beside OUT: the one with the coordinates, or a copy of the input's. */
 static int add_beside(const planish_file *file, const char *out, const char *name, int is_input,
                       io_written_list *list, planish_error *error) {
     const io_model *model = &file->model;
+    if (is_same_name(name, pl_path_name(out)))
+        return pl_fail(error, PLANISH_ERROR_FILE,
+                       "%s: is also the name of a file that %s names; choose another name", out,
+                       io_model_opened(model)->path);
     io_written written = {.from = is_input ? &model->input : NULL,
                           .source = is_input ? NULL : beside(io_model_opened(model)->path, name),
                           .path = beside(out, name),
