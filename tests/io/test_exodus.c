@@ -2,6 +2,7 @@
  * every kind. */
 #include "support/effort.h"
 #include "support/files.h"
+#include "support/folder_files.h"
 #include "support/netcdf_builder.h"
 #include "support/reading.h"
 #include "support/rewriting.h"
@@ -15,6 +16,14 @@
 #include <string.h>
 
 #include <cmocka.h>
+
+#ifdef PL_HDF5
+#include <hdf5.h>
+#endif
+#ifdef __linux__
+#include <sys/inotify.h>
+#include <unistd.h>
+#endif
 
 enum { N = 6 };
 
@@ -453,6 +462,92 @@ static void coordinates_alone_are_written(void **state) {
     }
 }
 
+/* ---- other files ---------------------------------------------------------------------------- */
+
+#ifdef PL_HDF5
+
+/** Ways in which a variable's values can be in another file. */
+typedef enum outside_way { BY_LINK, BY_STORAGE, BY_VIRTUAL, N_WAYS } outside_way;
+
+/** Put in place of the variable at path in a netCDF-4 file that of the file outside. */
+static void put_outside(const char *file_path, const char *path, const char *outside,
+                        outside_way way) {
+    const hid_t file = H5Fopen(file_path, H5F_ACC_RDWR, H5P_DEFAULT);
+    const hid_t old = H5Dopen2(file, path, H5P_DEFAULT), type = H5Dget_type(old);
+    const hid_t space = H5Dget_space(old), list = H5Pcreate(H5P_DATASET_CREATE);
+    assert_true(file >= 0 && old >= 0 && type >= 0 && space >= 0 && list >= 0);
+    H5Dclose(old);
+    assert_true(H5Ldelete(file, path, H5P_DEFAULT) >= 0);
+    if (way == BY_LINK) {
+        assert_true(H5Lcreate_external(outside, path, file, path, H5P_DEFAULT, H5P_DEFAULT) >= 0);
+    } else {
+        if (way == BY_STORAGE)
+            assert_true(H5Pset_external(list, outside, 0, H5F_UNLIMITED) >= 0);
+        else
+            assert_true(H5Pset_virtual(list, space, outside, path, space) >= 0);
+        const hid_t made = H5Dcreate2(file, path, type, space, H5P_DEFAULT, list, H5P_DEFAULT);
+        assert_true(made >= 0);
+        H5Dclose(made);
+    }
+    H5Pclose(list);
+    H5Sclose(space);
+    H5Tclose(type);
+    H5Fclose(file);
+}
+
+/** Write in/mesh.e, whose variable at path is in the file outside. */
+static void write_with_outside(const char *folder, const char *path, const char *outside,
+                               outside_way way) {
+    char file_path[TEST_PATH_SIZE];
+    netcdf_builder n;
+    put_mesh(&n, 4, 0, NETCDF_AS_DOUBLE);
+    file_builder b = netcdf_end_file(&n);
+    test_write(folder, "in/mesh.e", b.data, (size_t)b.size);
+    builder_release(&b);
+    put_outside(test_path(file_path, folder, "in/mesh.e"), path, outside, way);
+}
+
+/** The file outside is a mesh with all variables: whoever opens it reads a mesh. */
+static void no_other_file_is_opened(void **state) {
+    static const char *const needed[] = {"/coordx", "/connect1", "/eb_prop1"};
+    static const char *const words[] = {
+        [BY_LINK] = "", [BY_STORAGE] = "stored in other files", [BY_VIRTUAL] = "virtual dataset"};
+    char path[TEST_PATH_SIZE], outside[TEST_PATH_SIZE];
+    const char *folder = *state;
+    netcdf_builder n;
+    put_mesh(&n, 4, 0, NETCDF_AS_DOUBLE);
+    file_builder b = netcdf_end_file(&n);
+    test_write(folder, "outside.e", b.data, (size_t)b.size);
+    builder_release(&b);
+    planish_file_close(folder_open(folder, "outside.e"));
+    test_path(outside, folder, "outside.e");
+    test_folder_in(path, folder, "in");
+#ifdef __linux__
+    const int watch = inotify_init1(IN_NONBLOCK);
+    assert_true(inotify_add_watch(watch, outside, IN_OPEN) >= 0);
+#endif
+    for (int way = 0; way < N_WAYS; way++) {
+        planish_data data;
+        planish_error error = {.text = ""};
+        for (size_t i = 0; i < sizeof needed / sizeof *needed; i++) {
+            write_with_outside(folder, needed[i], outside, way);
+            folder_open_fails(folder, "in/mesh.e", words[way]);
+        }
+        write_with_outside(folder, "/vals_nod_var1", outside, way);
+        planish_file *file = folder_open(folder, "in/mesh.e");
+        assert_int_not_equal(planish_file_data(file, "size", &data, &error), 0);
+        assert_non_null(strstr(error.text, words[way]));
+        planish_file_close(file);
+    }
+#ifdef __linux__
+    char event[512];
+    assert_int_equal(read(watch, event, sizeof event), -1);
+    close(watch);
+#endif
+}
+
+#endif
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_mesh_is_read_in_every_kind),
@@ -470,6 +565,10 @@ int main(void) {
         cmocka_unit_test(nothing_breaks_it),
         cmocka_unit_test_setup_teardown(coordinates_alone_are_written, test_folder_create,
                                         test_folder_remove),
+#ifdef PL_HDF5
+        cmocka_unit_test_setup_teardown(no_other_file_is_opened, test_folder_create,
+                                        test_folder_remove),
+#endif
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

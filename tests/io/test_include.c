@@ -13,30 +13,7 @@
 
 #include "io/file/file.h"
 #include "support/files.h"
-
-static void write_text(const char *folder, const char *name, const char *text) {
-    test_write(folder, name, text, strlen(text));
-}
-
-static planish_file *open_file(const char *folder, const char *name) {
-    char path[TEST_PATH_SIZE];
-    planish_file *file = NULL;
-    planish_error error = {.text = ""};
-    if (planish_file_open(test_path(path, folder, name), NULL, 1, &file, &error))
-        fail_msg("%s", error.text);
-    return file;
-}
-
-/** Expect one line that has part, of the file called name. */
-static void opening_fails(const char *folder, const char *name, const char *part) {
-    char path[TEST_PATH_SIZE];
-    planish_file *file = NULL;
-    planish_error error = {.text = ""};
-    assert_int_not_equal(planish_file_open(test_path(path, folder, name), NULL, 1, &file, &error),
-                         0);
-    if (!strstr(error.text, part))
-        fail_msg("'%s' was expected in: %s", part, error.text);
-}
+#include "support/folder_files.h"
 
 static int is_fixed_by(const planish_file *file, const char *tag, int node) {
     uint8_t reason[16];
@@ -58,14 +35,14 @@ static void abaqus_files_include_others(void **state) {
     size_t n, m;
     test_path(path, folder, "sub");
     assert_int_equal(mkdir(path, 0777), 0);
-    write_text(folder, "main.inp",
-               "*HEADING\na\n" FIVE_NODES "*ELEMENT, TYPE=C3D4, ELSET=one\n"
-               "*INCLUDE, INPUT=sub/more.inp\n3,1,2,3,5\n"
-               "*NSET, NSET=ends, INPUT=ends.txt\n*include , input = \"equations.inp\"\n");
-    write_text(folder, "sub/more.inp", "1,1,2,3,4\n*ELEMENT, TYPE=C3D4, ELSET=two\n2,2,3,4,5\n");
-    write_text(folder, "ends.txt", "1,\n5\n");
-    write_text(folder, "equations.inp", "*EQUATION\n2\n4,1,1.,5,1,-1.\n");
-    planish_file *file = open_file(folder, "main.inp");
+    folder_write(folder, "main.inp",
+                 "*HEADING\na\n" FIVE_NODES "*ELEMENT, TYPE=C3D4, ELSET=one\n"
+                 "*INCLUDE, INPUT=sub/more.inp\n3,1,2,3,5\n"
+                 "*NSET, NSET=ends, INPUT=ends.txt\n*include , input = \"equations.inp\"\n");
+    folder_write(folder, "sub/more.inp", "1,1,2,3,4\n*ELEMENT, TYPE=C3D4, ELSET=two\n2,2,3,4,5\n");
+    folder_write(folder, "ends.txt", "1,\n5\n");
+    folder_write(folder, "equations.inp", "*EQUATION\n2\n4,1,1.,5,1,-1.\n");
+    planish_file *file = folder_open(folder, "main.inp");
     assert_int_equal(planish_file_mesh(file).n_elements, 3);
     assert_int_equal(file->n_regions, 2);
     assert_true(is_fixed_by(file, "ends", 0) && !is_fixed_by(file, NULL, 0));
@@ -86,16 +63,16 @@ static void abaqus_files_include_others(void **state) {
 
 static void nastran_files_include_others(void **state) {
     const char *folder = *state;
-    write_text(folder, "main.bdf",
-               "BEGIN BULK\nGRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\n"
-               "GRID,4,,0.,0.,1.\nGRID,5,,1.,1.,1.\nINCLUDE 'elements.bdf'\n"
-               "CTETRA,2,20,2,3,4,5\nENDDATA\n");
-    write_text(
+    folder_write(folder, "main.bdf",
+                 "BEGIN BULK\nGRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\n"
+                 "GRID,4,,0.,0.,1.\nGRID,5,,1.,1.,1.\nINCLUDE 'elements.bdf'\n"
+                 "CTETRA,2,20,2,3,4,5\nENDDATA\n");
+    folder_write(
         folder, "elements.bdf",
         "$HMNAME PROP       10\"steel\"\nCTETRA,1,10,1,2,3,4\ninclude \"rigid.bdf\"\nENDDATA\n"
         "this is not read\n");
-    write_text(folder, "rigid.bdf", "RBE2,9,5,123,4\n");
-    planish_file *file = open_file(folder, "main.bdf");
+    folder_write(folder, "rigid.bdf", "RBE2,9,5,123,4\n");
+    planish_file *file = folder_open(folder, "main.bdf");
     assert_int_equal(planish_file_mesh(file).n_elements, 2);
     assert_int_equal(file->n_regions, 2);
     assert_true(is_fixed_by(file, "steel", 0) && !is_fixed_by(file, NULL, 0));
@@ -106,16 +83,16 @@ static void nastran_files_include_others(void **state) {
 /** Nodes elsewhere: the error names the file to smooth. */
 static void nodes_must_be_in_the_file(void **state) {
     const char *folder = *state;
-    write_text(folder, "main.inp", "*HEADING\na\n*INCLUDE, INPUT=mesh.inp\n*STEP\n*END STEP\n");
-    write_text(folder, "mesh.inp", FIVE_NODES "*ELEMENT, TYPE=C3D4\n1,1,2,3,4\n");
-    opening_fails(folder, "main.inp", "mesh.inp:2: this file, which ");
-    opening_fails(folder, "main.inp", "main.inp includes, has nodes: smooth this file instead");
-    planish_file_close(open_file(folder, "mesh.inp"));
-    write_text(folder, "main.bdf", "BEGIN BULK\nINCLUDE 'mesh.bdf'\nENDDATA\n");
-    write_text(folder, "mesh.bdf", "GRID,1,,0.,0.,0.\n");
-    opening_fails(folder, "main.bdf", "mesh.bdf:1: this file, which ");
-    write_text(folder, "data.inp", "*NODE, INPUT=nodes.txt\n");
-    opening_fails(folder, "data.inp", "INPUT=: the nodes are in another file");
+    folder_write(folder, "main.inp", "*HEADING\na\n*INCLUDE, INPUT=mesh.inp\n*STEP\n*END STEP\n");
+    folder_write(folder, "mesh.inp", FIVE_NODES "*ELEMENT, TYPE=C3D4\n1,1,2,3,4\n");
+    folder_open_fails(folder, "main.inp", "mesh.inp:2: this file, which ");
+    folder_open_fails(folder, "main.inp", "main.inp includes, has nodes: smooth this file instead");
+    planish_file_close(folder_open(folder, "mesh.inp"));
+    folder_write(folder, "main.bdf", "BEGIN BULK\nINCLUDE 'mesh.bdf'\nENDDATA\n");
+    folder_write(folder, "mesh.bdf", "GRID,1,,0.,0.,0.\n");
+    folder_open_fails(folder, "main.bdf", "mesh.bdf:1: this file, which ");
+    folder_write(folder, "data.inp", "*NODE, INPUT=nodes.txt\n");
+    folder_open_fails(folder, "data.inp", "INPUT=: the nodes are in another file");
 }
 
 /** Errors of included files name these; files that are not there, elsewhere or endless are refused. */
@@ -142,14 +119,14 @@ static void wrong_includes_are_refused(void **state) {
     };
     const char *folder = *state;
     char link[TEST_PATH_SIZE];
-    write_text(folder, "bad.inp", "*ELEMENT, TYPE=C3D4\n1,1,2,3,99\n");
-    write_text(folder, "bad.bdf", "CTETRA,1,10,1,2,3,99\n");
-    write_text(folder, "loop2.inp", "*INCLUDE, INPUT=loop2.inp\n");
-    write_text(folder, "loop2.bdf", "INCLUDE 'loop2.bdf'\n");
+    folder_write(folder, "bad.inp", "*ELEMENT, TYPE=C3D4\n1,1,2,3,99\n");
+    folder_write(folder, "bad.bdf", "CTETRA,1,10,1,2,3,99\n");
+    folder_write(folder, "loop2.inp", "*INCLUDE, INPUT=loop2.inp\n");
+    folder_write(folder, "loop2.bdf", "INCLUDE 'loop2.bdf'\n");
     assert_int_equal(symlink("/etc/hostname", test_path(link, folder, "link.inp")), 0);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        write_text(folder, cases[i].name, cases[i].text);
-        opening_fails(folder, cases[i].name, cases[i].part);
+        folder_write(folder, cases[i].name, cases[i].text);
+        folder_open_fails(folder, cases[i].name, cases[i].part);
     }
 }
 

@@ -1,10 +1,12 @@
 /* XDMF files: what is read and refused, wherever their numbers stand, and what is written. */
 #include "support/files.h"
+#include "support/folder_files.h"
 #include "support/hdf5_builder.h"
 #include "support/reading.h"
 
 #include "io/core/binary.h"
 #include "io/file/file.h"
+#include "io/xdmf/xdmf_markup.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -145,6 +147,14 @@ static void numbers_of_nodes_may_have_a_base(void **state) {
     fails(XDMF(GRID("<Topology Type=\"Tetrahedron\" BaseOffset=\"1\">" WHOLE(
               "2 4", "0 2 3 4 2 3 4 5") "</Topology>" POINTS)),
           "not among the points");
+    /* Of a polyhedron faces and nodes are counted, which have no base. */
+    planish_file *file = reads(XDMF(GRID("<Topology Type=\"Mixed\" BaseOffset=\"1\">" WHOLE(
+        "28", "6 1 2 3 4  16 4 3 1 3 2 3 1 2 4 3 2 3 4 3 3 1 4  6 2 3 4 5") "</Topology>" POINTS)));
+    planish_file_info info;
+    planish_file_get_info(file, &info);
+    assert_int_equal(planish_file_mesh(file).n_elements, 2);
+    assert_int_equal(info.n_other_elements, 1);
+    planish_file_close(file);
 }
 
 /* ---- points --------------------------------------------------------------------------------- */
@@ -234,6 +244,46 @@ static void references_are_followed(void **state) {
     fails(XDMF(GRID(INCLUDE("/Xdmf/None") POINTS)), "includes what is not there");
 }
 
+/** A path that is not understood is refused each time. */
+static void wrong_paths_stay_wrong(void **state) {
+    (void)state;
+    planish_file *file = reads(XDMF("<DataItem Name=\"a\" Dimensions=\"2\">1 2</DataItem>" GRID(
+        TWO POINTS "<Attribute Name=\"a\" Center=\"Cell\"><DataItem "
+                   "Reference=\"/Xdmf/Domain/DataItem[last()]\"/></Attribute>")));
+    assert_int_equal(file->model.n_data, 0);
+    assert_int_equal(file->n_regions, 1);
+    planish_file_close(file);
+}
+
+/** Paths stop at the position that they name; those that look at too many elements are refused. */
+static void paths_look_at_few_elements(void **state) {
+    enum { N = 1000 };
+    static const char item[] = "<a/>", begin[] = "<Xdmf><b Reference=\"/Xdmf/a[2]\"/>"
+                                                 "<b Reference=\"/Xdmf/a[self::a][self::a][3]\"/>";
+    char text[sizeof begin + N * (sizeof item - 1) + sizeof "</Xdmf>"];
+    planish_error error = {.text = ""};
+    xdmf_document d;
+    int64_t found;
+    (void)state;
+    strcpy(text, begin);
+    for (int i = 0; i < N; i++)
+        strcat(text, item);
+    strcat(text, "</Xdmf>");
+    const io_model model = {.input = {.path = "test", .data = text, .size = (int64_t)strlen(text)}};
+    if (xdmf_markup_read(&model, &d, &error))
+        fail_msg("%s", error.text);
+    assert_int_equal(xdmf_resolve(&d, 1, &found), 0);
+    assert_int_equal(found, 4);
+    assert_true(d.n_looked_at < 10);
+    assert_int_equal(xdmf_resolve(&d, 2, &found), 0);
+    assert_int_equal(found, 5);
+    assert_true(d.n_looked_at > 3 * N);
+    d.n_looked_at = INT64_C(1) << 28;
+    assert_int_equal(xdmf_resolve(&d, 1, &found), PLANISH_ERROR_FORMAT);
+    assert_non_null(strstr(error.text, "too many elements"));
+    xdmf_markup_release(&d);
+}
+
 static void steps_must_have_one_mesh(void **state) {
     (void)state;
     fails(XDMF(SERIES(STEP(TWO POINTS) STEP(TWO POINTS))), "points or elements of its own");
@@ -290,6 +340,18 @@ static void grids_of_tags_give_values(void **state) {
     assert_true(reason[1] & PLANISH_FILE_FIX);
     assert_false(reason[4] & PLANISH_FILE_FIX);
     planish_file_close(file);
+}
+
+/** Elements that are listed once more are looked at as all others are. */
+static void wrong_nodes_of_tags_are_refused(void **state) {
+    (void)state;
+    fails(XDMF(GRID(TOPOLOGY("Triangle_6", "1", "6", "0 1 2 3 4 5") "<Geometry Type=\"XY\">" REAL(
+              "6 2", "0 0 2 0 0 2 1 0 1 1 0 1") "</Geometry>")
+                   GRID(TOPOLOGY("Triangle_6", "1", "6", "0 1 2 3 4 2000000000")
+                            INCLUDE("/Xdmf/Domain/Grid/Geometry") "<Set Name=\"a\" "
+                                                                  "SetType=\"Cell\">" WHOLE(
+                                                                      "1", "0") "</Set>")),
+          "not among the points");
 }
 
 /* ---- data and sets -------------------------------------------------------------------------- */
@@ -364,30 +426,6 @@ static void sets_are_groups_of_nodes(void **state) {
 
 /* ---- files beside --------------------------------------------------------------------------- */
 
-static void write_text(const char *folder, const char *name, const char *text) {
-    test_write(folder, name, text, strlen(text));
-}
-
-static planish_file *open_file(const char *folder, const char *name) {
-    char path[TEST_PATH_SIZE];
-    planish_file *file = NULL;
-    planish_error error = {.text = ""};
-    if (planish_file_open_isolated(test_path(path, folder, name), NULL, 1, &file, &error))
-        fail_msg("%s", error.text);
-    return file;
-}
-
-/** Expect a failure of opening, with word in its text. */
-static void opening_fails(const char *folder, const char *name, const char *word) {
-    char path[TEST_PATH_SIZE];
-    planish_file *file = NULL;
-    planish_error error = {.text = ""};
-    assert_int_not_equal(planish_file_open(test_path(path, folder, name), NULL, 1, &file, &error),
-                         0);
-    if (!strstr(error.text, word))
-        fail_msg("'%s' was expected in: %s", word, error.text);
-}
-
 /** Expect a failure of writing to name, with word in its text, that leaves n files. */
 static void writing_fails(planish_file *file, const char *folder, const char *name,
                           const char *word, int n) {
@@ -415,7 +453,7 @@ static void write_mesh(const char *folder) {
     memcpy(bytes + 4, five, sizeof five);
     test_write(folder, "mesh.bin", bytes, sizeof bytes);
     test_write(folder, "cells.bin", (const char *)cells, sizeof cells);
-    write_text(
+    folder_write(
         folder, "mesh.xdmf",
         XDMF(GRID("<Topology Type=\"Tetrahedron\"><DataItem Format=\"Binary\" "
                   "NumberType=\"Int\" Dimensions=\"2 4\">cells.bin</DataItem></Topology>" BYTES(
@@ -453,7 +491,7 @@ static void a_file_beside_is_written(void **state) {
     const char *folder = *state;
     write_mesh(folder);
     /* In the same folder the name is exchanged, where the XML has it and nowhere else. */
-    planish_file *file = open_file(folder, "mesh.xdmf");
+    planish_file *file = folder_open(folder, "mesh.xdmf");
     assert_int_equal(planish_file_mesh(file).n_elements, 2);
     free(move_node(file, 4, folder, "out.xdmf"));
     expect_moved(folder, "out.bin");
@@ -465,21 +503,21 @@ static void a_file_beside_is_written(void **state) {
     free(xml);
     planish_file_close(file);
     /* Once more: OUT names the file that is there. */
-    file = open_file(folder, "mesh.xdmf");
+    file = folder_open(folder, "mesh.xdmf");
     free(move_node(file, 4, folder, "out.xdmf"));
     planish_file_close(file);
     /* In another folder all files keep their names. */
     test_folder_in(path, folder, "new");
-    file = open_file(folder, "mesh.xdmf");
+    file = folder_open(folder, "mesh.xdmf");
     free(move_node(file, 4, folder, "new/other.xdmf"));
     planish_file_close(file);
     expect_moved(folder, "new/mesh.bin");
     expect_same(folder, "cells.bin", "new/cells.bin");
     expect_same(folder, "mesh.xdmf", "new/other.xdmf");
-    file = open_file(folder, "new/other.xdmf");
+    file = folder_open(folder, "new/other.xdmf");
     planish_file_close(file);
     /* In place the XML stays. */
-    file = open_file(folder, "mesh.xdmf");
+    file = folder_open(folder, "mesh.xdmf");
     free(move_node(file, 4, folder, "mesh.xdmf"));
     planish_file_close(file);
     expect_moved(folder, "mesh.bin");
@@ -491,8 +529,8 @@ static void other_files_are_not_overwritten(void **state) {
     char path[TEST_PATH_SIZE];
     const char *folder = *state;
     write_mesh(folder);
-    write_text(folder, "out.bin", "precious");
-    planish_file *file = open_file(folder, "mesh.xdmf");
+    folder_write(folder, "out.bin", "precious");
+    planish_file *file = folder_open(folder, "mesh.xdmf");
     writing_fails(file, folder, "out.xdmf", "out.bin: exists", 4);
     writing_fails(file, folder, "cells.xdmf", "cells.bin: is a file of the input", 4);
     static const char *const names[] = {"a&b.xdmf", "a|b.xdmf", " a.xdmf", "a\nb.xdmf", "a\xFF.xdmf",
@@ -501,7 +539,7 @@ static void other_files_are_not_overwritten(void **state) {
         writing_fails(file, folder, names[i], "cannot stand in the XML", 4);
     writing_fails(file, folder, "out.vtu", "does not have an extension", 4);
     test_folder_in(path, folder, "new");
-    write_text(folder, "new/cells.bin", "precious");
+    folder_write(folder, "new/cells.bin", "precious");
     writing_fails(file, folder, "new/out.xdmf", "cells.bin: exists", 5);
     assert_int_equal(test_count_files(path), 1);
     planish_error error;
@@ -511,12 +549,12 @@ static void other_files_are_not_overwritten(void **state) {
     assert_non_null(strstr(error.text, "cannot be written to a pipe"));
     planish_file_close(file);
     /* A file that names "notout.bin" does not name out.bin. */
-    write_text(folder, "out.xdmf", "<a>notout.bin</a><b>out.bin2</b>");
-    file = open_file(folder, "mesh.xdmf");
+    folder_write(folder, "out.xdmf", "<a>notout.bin</a><b>out.bin2</b>");
+    file = folder_open(folder, "mesh.xdmf");
     writing_fails(file, folder, "out.xdmf", "out.bin: exists", 6);
     planish_file_close(file);
-    write_text(folder, "out.xdmf", "out.bin");
-    file = open_file(folder, "mesh.xdmf");
+    folder_write(folder, "out.xdmf", "out.bin");
+    file = folder_open(folder, "mesh.xdmf");
     free(move_node(file, 4, folder, "out.xdmf"));
     planish_file_close(file);
     /* Where the name does not begin as that of the XML does, OUT must be in another folder. */
@@ -524,27 +562,75 @@ static void other_files_are_not_overwritten(void **state) {
     char *bytes = test_read(test_path(path, folder, "mesh.bin"), NULL);
     test_write(folder, "points.bin", bytes, 4 + sizeof five);
     free(bytes);
-    write_text(folder, "mesh.xdmf", XDMF(GRID(TWO BYTES("points.bin"))));
-    file = open_file(folder, "mesh.xdmf");
+    folder_write(folder, "mesh.xdmf", XDMF(GRID(TWO BYTES("points.bin"))));
+    file = folder_open(folder, "mesh.xdmf");
     writing_fails(file, folder, "out.xdmf", "give an OUT in another folder", 7);
     planish_file_close(file);
 }
 
-/** A copy of the file with the coordinates, which has a second name, must not replace the result. */
-static void a_file_has_one_name(void **state) {
+/** A name is the same with backslashes, repeated slashes and "./". */
+static void one_file_may_have_several_spellings(void **state) {
     char path[TEST_PATH_SIZE];
     const char *folder = *state;
     write_mesh(folder);
     test_folder_in(path, folder, "sub");
     test_folder_in(path, folder, "new");
     test_folder_in(path, folder, "new/sub");
-    write_text(folder, "mesh.xdmf",
-               XDMF(GRID(TWO BYTES("mesh.bin") "<Attribute Name=\"h\"><DataItem Format=\"Binary\" "
-                                               "Precision=\"8\" Seek=\"4\" Dimensions=\"5\">"
-                                               "sub/../mesh.bin</DataItem></Attribute>")));
-    planish_file *file = open_file(folder, "mesh.xdmf");
-    writing_fails(file, folder, "new/mesh.xdmf", "as mesh.bin and as sub/../mesh.bin", 5);
-    assert_int_equal(test_count_files(test_path(path, folder, "new")), 1);
+    char *bytes = test_read(test_path(path, folder, "mesh.bin"), NULL);
+    test_write(folder, "sub/mesh.bin", bytes, 4 + sizeof five);
+    free(bytes);
+    folder_write(
+        folder, "mesh.xdmf",
+        XDMF("<DataItem Format=\"Binary\" Dimensions=\"1\">./sub//./mesh.bin</DataItem>" GRID(
+            TWO BYTES("sub\\mesh.bin"))));
+    planish_file *file = folder_open(folder, "mesh.xdmf");
+    free(move_node(file, 4, folder, "new/mesh.xdmf"));
+    expect_moved(folder, "new/sub/mesh.bin");
+    planish_file_close(file);
+    file = folder_open(folder, "mesh.xdmf");
+    free(move_node(file, 4, folder, "out.xdmf"));
+    planish_file_close(file);
+    expect_moved(folder, "sub/out.bin");
+    char *xml = test_read(test_path(path, folder, "out.xdmf"), NULL);
+    assert_non_null(strstr(xml, ">./sub/out.bin<"));
+    assert_null(strstr(xml, "mesh.bin"));
+    free(xml);
+}
+
+/** OUT and a file that it names must have two names. */
+static void out_is_none_of_the_files_that_it_names(void **state) {
+    char path[TEST_PATH_SIZE];
+    const char *folder = *state;
+    write_mesh(folder);
+    char *bytes = test_read(test_path(path, folder, "mesh.bin"), NULL);
+    test_write(folder, "points.xdmf", bytes, 4 + sizeof five);
+    free(bytes);
+    folder_write(folder, "mesh.xdmf", XDMF(GRID(TWO BYTES("points.xdmf"))));
+    test_folder_in(path, folder, "new");
+    planish_file *file = folder_open(folder, "mesh.xdmf");
+    writing_fails(file, folder, "new/points.xdmf", "is also the name of a file", 5);
+    assert_int_equal(test_count_files(path), 0);
+    planish_file_close(file);
+}
+
+/** The name of a file may hold any bytes, where the XML is not read by Expat. */
+static void names_with_zeros_are_no_names(void **state) {
+    enum { PIECE = 1 << 16, ZEROS = 5000 };
+    static const char begin[] = "<Xdmf><Domain>" GRID(TWO POINTS),
+                      item[] = "<DataItem Format=\"HDF\">",
+                      end[] = "a.h5:/x</DataItem></Domain></Xdmf>";
+    const size_t n_begin = sizeof begin - 1, n_item = sizeof item - 1;
+    char *text = malloc(PIECE + ZEROS + sizeof end);
+    assert_non_null(text);
+    memset(text, ' ', PIECE);
+    memcpy(text, begin, n_begin);
+    memcpy(text + PIECE - n_item, item, n_item);
+    memset(text + PIECE, 0, ZEROS);
+    memcpy(text + PIECE + ZEROS, end, sizeof end);
+    test_write(*state, "mesh.xdmf", text, PIECE + ZEROS + sizeof end - 1);
+    free(text);
+    planish_file *file = folder_open(*state, "mesh.xdmf");
+    assert_int_equal(file->model.n_beside, 0);
     planish_file_close(file);
 }
 
@@ -574,41 +660,40 @@ static void bytes_are_read_as_they_are_said_to_be(void **state) {
                                             "Precision=\"%d\" Dimensions=\"5 3\">mesh.bin"
                                             "</DataItem>"))),
                      orders[is_big], size);
-            write_text(folder, "mesh.xmf", text);
-            planish_file *file = open_file(folder, "mesh.xmf");
+            folder_write(folder, "mesh.xmf", text);
+            planish_file *file = folder_open(folder, "mesh.xmf");
             assert_true(planish_file_coordinates(file)[12] == 1);
             free(move_node(file, 4, folder, "mesh.xmf"));
             planish_file_close(file);
-            file = open_file(folder, "mesh.xmf");
+            file = folder_open(folder, "mesh.xmf");
             assert_true(planish_file_coordinates(file)[12] == 1.125);
             assert_true(planish_file_coordinates(file)[3] == 1);
             planish_file_close(file);
         }
-    write_text(folder, "mesh.xmf",
-               XDMF(GRID(TWO GEOMETRY("<DataItem Format=\"Binary\" Seek=\"80\" Precision=\"8\" "
-                                      "Dimensions=\"5 3\">mesh.bin</DataItem>"))));
-    opening_fails(folder, "mesh.xmf", "Dimensions or Seek are wrong");
+    folder_write(folder, "mesh.xmf",
+                 XDMF(GRID(TWO GEOMETRY("<DataItem Format=\"Binary\" Seek=\"80\" Precision=\"8\" "
+                                        "Dimensions=\"5 3\">mesh.bin</DataItem>"))));
+    folder_open_fails(folder, "mesh.xmf", "Dimensions or Seek are wrong");
 }
 
 static void names_must_not_lead_outside(void **state) {
     char path[TEST_PATH_SIZE], link[TEST_PATH_SIZE];
     const char *folder = *state;
-    static const char *const names[] = {"../mesh.bin", "/etc/passwd", "link.bin", "sub/../../x",
-                                        "..\\mesh.bin"};
+    static const char *const names[] = {"../mesh.bin", "/etc/passwd",  "link.bin",
+                                        "sub/../../x", "..\\mesh.bin", "../in/mesh.bin"};
     test_folder_in(path, folder, "in");
     write_mesh(folder);
     assert_int_equal(symlink("../mesh.bin", test_path(link, folder, "in/link.bin")), 0);
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         char text[TEXT_SIZE];
         snprintf(text, sizeof text, XDMF(GRID(TWO BYTES("%s"))), names[i]);
-        write_text(folder, "in/mesh.xdmf", text);
-        if (strcmp(names[i], "sub/../../x") == 0) /* such a file there is not */
-            opening_fails(folder, "in/mesh.xdmf", "");
-        else
-            opening_fails(folder, "in/mesh.xdmf", "is not beside this file or below its folder");
+        folder_write(folder, "in/mesh.xdmf", text);
+        folder_open_fails(folder, "in/mesh.xdmf",
+                          strstr(names[i], "..") ? "has '..' in it"
+                                                 : "is not beside this file or below its folder");
     }
-    write_text(folder, "in/mesh.xdmf", XDMF(GRID(TWO BYTES("none.bin"))));
-    opening_fails(folder, "in/mesh.xdmf", "No such file");
+    folder_write(folder, "in/mesh.xdmf", XDMF(GRID(TWO BYTES("none.bin"))));
+    folder_open_fails(folder, "in/mesh.xdmf", "No such file");
     fails("<!DOCTYPE Xdmf [<!ENTITY a SYSTEM \"/etc/passwd\">]>\n<Xdmf>&a;</Xdmf>", "an entity");
     fails("<!DOCTYPE Xdmf SYSTEM \"a.dtd\">\n<Xdmf a=\"&b;\"><Domain/></Xdmf>", "");
 }
@@ -641,7 +726,7 @@ static void write_hdf5(const char *folder, int is_packed) {
     file_builder f = hdf5_end(&b);
     test_write(folder, "mesh.h5", f.data, (size_t)f.size);
     builder_release(&f);
-    write_text(folder, "mesh.xdmf", HDF_MESH);
+    folder_write(folder, "mesh.xdmf", HDF_MESH);
 }
 
 static void files_of_hdf5_are_read_and_written(void **state) {
@@ -649,7 +734,7 @@ static void files_of_hdf5_are_read_and_written(void **state) {
     const char *folder = *state;
     for (int is_packed = 0; is_packed < 2; is_packed++) {
         write_hdf5(folder, is_packed);
-        planish_file *file = open_file(folder, "mesh.xdmf");
+        planish_file *file = folder_open(folder, "mesh.xdmf");
         planish_data data;
         assert_int_equal(file->n_regions, 2);
         assert_int_equal(planish_file_data(file, "region", &data, NULL), 0);
@@ -661,7 +746,7 @@ static void files_of_hdf5_are_read_and_written(void **state) {
         assert_non_null(strstr(xml, "./out.h5:points"));
         assert_null(strstr(xml, "mesh.h5"));
         free(xml);
-        file = open_file(folder, "out.xdmf");
+        file = folder_open(folder, "out.xdmf");
         assert_true(planish_file_coordinates(file)[12] == 1.125);
         assert_true(planish_file_coordinates(file)[13] == 1);
         planish_file_close(file);
@@ -683,17 +768,17 @@ static void pieces_stand_in_one_file_of_hdf5(void **state) {
         file_builder f = hdf5_end(&b);
         test_write(folder, "mesh.h5", f.data, (size_t)f.size);
         builder_release(&f);
-        write_text(folder, "mesh.xdmf",
-                   XDMF(SPATIAL(GRID(TWO GEOMETRY(HDF("Float", "5 3", "mesh.h5:/a")))
-                                    GRID(TOPOLOGY("Tetrahedron", "1", "4", "0 1 2 3")
-                                             GEOMETRY(HDF("Float", "4 3", "mesh.h5:/b"))))));
-        planish_file *file = open_file(folder, "mesh.xdmf");
+        folder_write(folder, "mesh.xdmf",
+                     XDMF(SPATIAL(GRID(TWO GEOMETRY(HDF("Float", "5 3", "mesh.h5:/a")))
+                                      GRID(TOPOLOGY("Tetrahedron", "1", "4", "0 1 2 3")
+                                               GEOMETRY(HDF("Float", "4 3", "mesh.h5:/b"))))));
+        planish_file *file = folder_open(folder, "mesh.xdmf");
         assert_int_equal(planish_file_mesh(file).n_nodes, 9);
         assert_true(planish_file_coordinates(file)[15] == 5);
         planish_file_coordinates(file)[12] = 1.5;
         free(move_node(file, 8, folder, "mesh.xdmf"));
         planish_file_close(file);
-        file = open_file(folder, "mesh.xdmf");
+        file = folder_open(folder, "mesh.xdmf");
         assert_true(planish_file_coordinates(file)[12] == 1.5);
         assert_true(planish_file_coordinates(file)[24] == 5.125);
         assert_true(planish_file_coordinates(file)[0] == 0);
@@ -704,25 +789,74 @@ static void pieces_stand_in_one_file_of_hdf5(void **state) {
 static void wrong_files_of_hdf5_are_refused(void **state) {
     const char *folder = *state;
     write_hdf5(folder, 0);
-    write_text(folder, "a.xdmf", XDMF(GRID(TWO GEOMETRY(HDF("Float", "6 3", "mesh.h5:/points")))));
-    opening_fails(folder, "a.xdmf", "Dimensions say 18 values, and there are 15");
-    write_text(folder, "a.xdmf", XDMF(GRID(TWO GEOMETRY(HDF("Float", "5 3", "mesh.h5:/none")))));
-    opening_fails(folder, "a.xdmf", "/none: there is no such array");
-    write_text(folder, "a.xdmf", XDMF(GRID(TWO GEOMETRY(HDF("Float", "5 3", "a.xdmf:/points")))));
-    opening_fails(folder, "a.xdmf", "no HDF5 file");
-    write_text(folder, "a.xdmf",
-               XDMF(GRID(TWO GEOMETRY(HDF("Float", "5 3", "mesh.h5:/points|0 0:1 1:5 3")))));
-    opening_fails(folder, "a.xdmf", "a part of an array");
-    write_text(folder, "a.xdmf", XDMF(GRID(TWO GEOMETRY(HDF("Float", "5 3", "points")))));
-    opening_fails(folder, "a.xdmf", "as in mesh.h5:/nodes");
+    folder_write(folder, "a.xdmf",
+                 XDMF(GRID(TWO GEOMETRY(HDF("Float", "6 3", "mesh.h5:/points")))));
+    folder_open_fails(folder, "a.xdmf", "Dimensions say 18 values, and there are 15");
+    folder_write(folder, "a.xdmf", XDMF(GRID(TWO GEOMETRY(HDF("Float", "5 3", "mesh.h5:/none")))));
+    folder_open_fails(folder, "a.xdmf", "/none: there is no such array");
+    folder_write(folder, "a.xdmf", XDMF(GRID(TWO GEOMETRY(HDF("Float", "5 3", "a.xdmf:/points")))));
+    folder_open_fails(folder, "a.xdmf", "no HDF5 file");
+    folder_write(folder, "a.xdmf",
+                 XDMF(GRID(TWO GEOMETRY(HDF("Float", "5 3", "mesh.h5:/points|0 0:1 1:5 3")))));
+    folder_open_fails(folder, "a.xdmf", "a part of an array");
+    folder_write(folder, "a.xdmf", XDMF(GRID(TWO GEOMETRY(HDF("Float", "5 3", "points")))));
+    folder_open_fails(folder, "a.xdmf", "as in mesh.h5:/nodes");
+}
+
+/** Points have one name, however it is spelled, and each value is of one axis. */
+static void arrays_of_hdf5_are_told_apart(void **state) {
+    const char *folder = *state;
+    for (int is_packed = 0; is_packed < 2; is_packed++) {
+        write_hdf5(folder, is_packed);
+        folder_write(folder, "a.xdmf",
+                     XDMF(SPATIAL(GRID(TWO GEOMETRY(HDF("Float", "5 3", "mesh.h5:/points"))) GRID(
+                         TOPOLOGY("Tetrahedron", "1", "4", "0 1 2 3")
+                             GEOMETRY(HDF("Float", "5 3", ".//mesh.h5://points"))))));
+        planish_file *file = folder_open(folder, "a.xdmf");
+        assert_int_equal(planish_file_mesh(file).n_nodes, 5);
+        planish_file_close(file);
+        folder_write(
+            folder, "a.xdmf",
+            XDMF(GRID(TOPOLOGY("Triangle", "1", "3", "0 1 2") "<Geometry Type=\"X_Y\">" HDF(
+                "Float", "5 3", "mesh.h5:/points")
+                          HDF("Float", "5 3", "mesh.h5:points") "</Geometry>")));
+        folder_open_fails(folder, "a.xdmf", "coordinates twice");
+    }
+}
+
+/** A file beside may be another one when data are asked for. */
+static void changed_cells_are_noticed(void **state) {
+    const int cells[] = {0, 1, 2, 3}, region[] = {4};
+    const char *folder = *state;
+    planish_data data;
+    planish_error error = {.text = ""};
+    write_hdf5(folder, 0);
+    folder_write(folder, "mesh.xdmf",
+                 XDMF(GRID("<Topology TopologyType=\"Tetrahedron\"><DataItem Format=\"HDF\">"
+                           "mesh.h5:/cells</DataItem></Topology>" POINTS ATTRIBUTE(
+                               "region", "Center=\"Cell\"",
+                               "<DataItem Format=\"HDF\">mesh.h5:/region</DataItem>"))));
+    planish_file *file = folder_open(folder, "mesh.xdmf");
+    assert_int_equal(planish_file_data(file, "region", &data, NULL), 0);
+    planish_data_free(&data);
+    hdf5_builder b;
+    hdf5_begin(&b, 0);
+    hdf5_array(&b, "/cells", H5T_STD_I64LE, H5T_NATIVE_INT, 1, 4, cells);
+    hdf5_integers(&b, "/region", 1, region);
+    file_builder f = hdf5_end(&b);
+    test_write(folder, "mesh.h5", f.data, (size_t)f.size);
+    builder_release(&f);
+    assert_int_not_equal(planish_file_data(file, "region", &data, &error), 0);
+    assert_non_null(strstr(error.text, "was changed"));
+    planish_file_close(file);
 }
 
 #else
 
 static void the_library_is_asked_for(void **state) {
     test_write(*state, "mesh.h5", "anything", 8);
-    write_text(*state, "mesh.xdmf", HDF_MESH);
-    opening_fails(*state, "mesh.xdmf", "built without HDF5");
+    folder_write(*state, "mesh.xdmf", HDF_MESH);
+    folder_open_fails(*state, "mesh.xdmf", "built without HDF5");
 }
 
 #endif
@@ -750,7 +884,10 @@ static void damaged_files_are_refused(void **state) {
          "number expected"},
         {XDMF(GRID(TOPOLOGY("Tetrahedron", "2", "2 4", "0 1 2 3 1 2 3 5") POINTS)), "points"},
         {XDMF(GRID(TOPOLOGY("Tetrahedron", "2", "2 4", "0 1 2 3 1 2 3 4 4") POINTS)), "more than"},
-        {XDMF(GRID(TOPOLOGY("Tetrahedron", "2", "", "0 1 2 3 1 2 3 4") POINTS)), ""},
+        {XDMF(GRID(TOPOLOGY("Tetrahedron", "2", "", "0 1 2 3 1 2 3 4") POINTS)), "no Dimensions"},
+        {XDMF(GRID("<Topology Type=\"Tetrahedron\" NodesPerElement=\"8\">" WHOLE(
+             "8", "0 1 2 3 1 2 3 4") "</Topology>" POINTS)),
+         "as NodesPerElement says"},
         {XDMF(GRID(TOPOLOGY("Tetrahedron", "2", "2 -4", "0 1") POINTS)), "no whole numbers"},
         {XDMF(GRID(TWO GEOMETRY(REAL("99999999 3", FIVE)))), "cannot be where they should"},
         {XDMF(GRID(TWO GEOMETRY(REAL("9223372036854775807 9", FIVE)))), "no whole numbers"},
@@ -758,6 +895,12 @@ static void damaged_files_are_refused(void **state) {
         {XDMF(GRID(TWO GEOMETRY(REAL("5 3", "0 0 0 1 0 0 0 1 0 0 0 1 1 1 nan")))), "not finite"},
         {XDMF(GRID(TWO GEOMETRY(REAL("5 3", "0 0 0 1 0 0 <!-- a -->0 1 0 0 0 1 1 1 1")))),
          "markup"},
+        {XDMF(GRID(TWO GEOMETRY(REAL("5 3", "<!-- a -->" FIVE)))), "markup"},
+        {XDMF("<DataItem Dimensions=\"3\">0 1 2</DataItem>" GRID(TOPOLOGY(
+             "Triangle", "1", "3", "0 1 2") "<Geometry Type=\"X_Y\"><DataItem "
+                                            "Reference=\"/Xdmf/Domain/DataItem\"/><DataItem "
+                                            "Reference=\"/Xdmf/Domain/DataItem\"/></Geometry>")),
+         "coordinates twice"},
         {XDMF(GRID(TWO GEOMETRY(REAL("5 3", FIVE) REAL("5 3", FIVE)))), "1 DataItem"},
         {XDMF(GRID(TWO GEOMETRY("<DataItem ItemType=\"HyperSlab\"/>"))), "HyperSlab is not read"},
         {XDMF(GRID(TWO GEOMETRY("<DataItem Format=\"TIFF\">a</DataItem>"))), "Format TIFF"},
@@ -790,19 +933,26 @@ int main(void) {
         IN_FOLDER(only_digits_of_text_change),
         cmocka_unit_test(points_have_the_precision_that_is_said),
         cmocka_unit_test(references_are_followed),
+        cmocka_unit_test(wrong_paths_stay_wrong),
+        cmocka_unit_test(paths_look_at_few_elements),
         cmocka_unit_test(steps_must_have_one_mesh),
         IN_FOLDER(grids_side_by_side_are_pieces),
         cmocka_unit_test(grids_of_tags_give_values),
+        cmocka_unit_test(wrong_nodes_of_tags_are_refused),
         cmocka_unit_test(attributes_are_data),
         cmocka_unit_test(sets_are_groups_of_nodes),
         IN_FOLDER(a_file_beside_is_written),
-        IN_FOLDER(a_file_has_one_name),
         IN_FOLDER(other_files_are_not_overwritten),
+        IN_FOLDER(one_file_may_have_several_spellings),
+        IN_FOLDER(out_is_none_of_the_files_that_it_names),
+        IN_FOLDER(names_with_zeros_are_no_names),
         IN_FOLDER(bytes_are_read_as_they_are_said_to_be),
         IN_FOLDER(names_must_not_lead_outside),
 #ifdef PL_HDF5
         IN_FOLDER(files_of_hdf5_are_read_and_written),
         IN_FOLDER(pieces_stand_in_one_file_of_hdf5),
+        IN_FOLDER(arrays_of_hdf5_are_told_apart),
+        IN_FOLDER(changed_cells_are_noticed),
         IN_FOLDER(wrong_files_of_hdf5_are_refused),
 #else
         IN_FOLDER(the_library_is_asked_for),

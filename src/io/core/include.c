@@ -17,10 +17,14 @@
 #define PATH_MAX 4096
 #endif
 
-/** Make the path of the file: name from the folder of the input. Returns 0 if it is too long. */
+/** Make the path of the file: name from the folder of the input. Returns 0 if it is too long, or no
+ *  name: a '\0' is in it. */
 static int join(const io_model *model, io_slice name, char path[PATH_MAX]) {
     const char *base = model->input.path;
     const int folder = (int)(pl_path_name(base) - base);
+    if (io_slice_length(name) >= PATH_MAX ||
+        memchr(name.begin, '\0', (size_t)io_slice_length(name)))
+        return 0;
     const int length =
         snprintf(path, PATH_MAX, "%.*s%.*s", folder, base, (int)io_slice_length(name), name.begin);
     for (char *c = path + folder; *c; c++)
@@ -86,6 +90,40 @@ int io_include_open(io_model *model, const char *at, io_slice name, io_cursor *c
     model->n_included = (int)n;
     *content = io_begin_text(file.data, file.size);
     return PLANISH_OK;
+}
+
+/** Take the next part of a path; an empty one is behind the last. A backslash is a slash, and '.' is
+ *  no part. */
+static io_slice next_part(io_slice *path) {
+    io_slice part;
+    do {
+        while (path->begin < path->end && (*path->begin == '/' || *path->begin == '\\'))
+            path->begin++;
+        part.begin = path->begin;
+        while (path->begin < path->end && *path->begin != '/' && *path->begin != '\\')
+            path->begin++;
+        part.end = path->begin;
+    } while (io_slice_is(part, ".", 0));
+    return part;
+}
+
+int io_include_compare(io_slice a, io_slice b) {
+    for (;;) {
+        const io_slice p = next_part(&a), q = next_part(&b);
+        const int64_t m = io_slice_length(p), n = io_slice_length(q);
+        const int order = m > 0 && n > 0 ? memcmp(p.begin, q.begin, (size_t)(m < n ? m : n)) : 0;
+        if (order || m != n)
+            return order ? order : m < n ? -1 : 1;
+        if (m == 0)
+            return 0;
+    }
+}
+
+int io_include_leads_up(io_slice name) {
+    for (io_slice part = next_part(&name); io_slice_length(part) > 0; part = next_part(&name))
+        if (io_slice_is(part, "..", 0))
+            return 1;
+    return 0;
 }
 
 int io_include_has(const io_model *model, const char *at) {

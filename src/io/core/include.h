@@ -2,6 +2,8 @@
  *
  *   io_include_find        the path of one
  *   io_include_open        open one
+ *   io_include_compare     whether two names are of one file
+ *   io_include_leads_up    whether a name has '..' in it
  *   io_include_has         whether a place is in one
  *   io_include_fail_node   an error: it has nodes
  *   io_include_close       release all
@@ -25,6 +27,13 @@ int io_include_find(const io_model *model, io_slice name, char **path, planish_e
  *  folder, or there are more than IO_MOST_INCLUDED), _FILE, _MEMORY. */
 int io_include_open(io_model *model, const char *at, io_slice name, io_cursor *content,
                     planish_error *error);
+
+/** Compare two names, or paths in a file, by their parts between slashes or backslashes: 0 if they
+ *  are one but for "./" and repeated slashes, else their order. */
+int io_include_compare(io_slice a, io_slice b);
+
+/** Return whether '..' is a part of a name. */
+int io_include_leads_up(io_slice name);
 
 /** Return whether at is in an included file. */
 int io_include_has(const io_model *model, const char *at);

@@ -8,6 +8,7 @@
 #include "io/file/written.h"
 
 #include "io/core/bytes.h"
+#include "io/core/include.h"
 #include "io/core/text.h"
 
 #include "base/memory.h"
@@ -206,10 +207,18 @@ static int rename_input(const io_model *model, const char *name, io_edits *edits
     return status;
 }
 
+static int is_same_name(const char *a, const char *b) {
+    return io_include_compare((io_slice){a, a + strlen(a)}, (io_slice){b, b + strlen(b)}) == 0;
+}
+
 /** Add the file of that name beside OUT: the one with the coordinates, or a copy of the input's. */
 static int add_beside(const planish_file *file, const char *out, const char *name, int is_input,
                       io_written_list *list, planish_error *error) {
     const io_model *model = &file->model;
+    if (is_same_name(name, pl_path_name(out)))
+        return pl_fail(error, PLANISH_ERROR_FILE,
+                       "%s: is also the name of a file that %s names; choose another name", out,
+                       io_model_opened(model)->path);
     io_written written = {.from = is_input ? &model->input : NULL,
                           .source = is_input ? NULL : beside(io_model_opened(model)->path, name),
                           .path = beside(out, name),
@@ -219,13 +228,6 @@ static int add_beside(const planish_file *file, const char *out, const char *nam
         status = pl_fail_memory(error, out);
     else if (!is_input) /* a file that is missing beside the input is missing beside OUT, too */
         is_none = !pl_file_exists(written.source) || is_same_file(written.source, written.path);
-    if (!status && !is_none && !is_input && model->document.data &&
-        strcmp(pl_path_name(name), pl_path_name(model->beside[0])) == 0 &&
-        is_same_file(written.source, model->input.path))
-        status = pl_fail(error, PLANISH_ERROR_FILE,
-                         "%s: names the file of the coordinates as %s and as %s, whose copy might "
-                         "replace the result; use one name",
-                         io_model_opened(model)->path, model->beside[0], name);
     if (!status && !is_none)
         status = check_target(file, out, written.path, name, error);
     if (!is_none && !status)

@@ -3,7 +3,7 @@
  *   netcdf_out, netcdf_out_begin, _end       a file
  *   netcdf_out_dimension                     its dimensions,
  *   netcdf_out_text, _integer, _float        attributes of the file,
- *   netcdf_out_variable                      and variables
+ *   netcdf_out_variable_add                  and variables
  *   netcdf_out_write                         write the header and the values of all variables
  *   netcdf_put_integer, _float, _double, _text    put a value: called by the owner of a variable
  *

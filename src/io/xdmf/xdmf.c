@@ -36,8 +36,7 @@ static int for_all_names(xdmf_reader *r, take_name *take, void *user) {
 enum { MOST_FILES = 16384 };
 
 static int is_name(const char *name, io_slice slice) {
-    const int64_t n = io_slice_length(slice);
-    return (int64_t)strlen(name) == n && memcmp(name, slice.begin, (size_t)n) == 0;
+    return io_include_compare((io_slice){name, name + strlen(name)}, slice) == 0;
 }
 
 /** Note the name of a file, and where the document names the input. */
@@ -106,11 +105,8 @@ typedef struct hdf5_sum {
 
 static int add_hdf5(xdmf_reader *r, const xdmf_item *item, void *user) {
     hdf5_sum *sum = user;
-    const int64_t n = io_slice_length(item->file);
-    const int is_last = io_slice_length(sum->last) == n &&
-                        (n == 0 || memcmp(sum->last.begin, item->file.begin, (size_t)n) == 0);
     pl_file_status about;
-    if (item->form != XDMF_HDF5 || is_last)
+    if (item->form != XDMF_HDF5 || io_include_compare(sum->last, item->file) == 0)
         return PLANISH_OK;
     char *path;
     const int status = io_include_find(&r->document.view, item->file, &path, r->error);

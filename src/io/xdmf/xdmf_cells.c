@@ -148,6 +148,10 @@ static int take_topology(xdmf_reader *r, const xdmf_piece *piece, xdmf_topology 
     if (t->nodes == 0) /* of vertices and polygons the list may say it, too */
         t->nodes = per > 0 ? per : piece->item.width > 1 ? piece->item.width : t->type->code;
     t->n = t->n_values / t->nodes;
+    if (per > 0 && per != t->nodes)
+        return xdmf_fail(d, e,
+                         "its elements have %lld nodes, and not %lld, as NodesPerElement says",
+                         (long long)t->nodes, (long long)per);
     if (t->n_values % t->nodes || (given >= 0 && given != t->n))
         return xdmf_fail(d, e, "%lld numbers are no %lld elements of %lld nodes",
                          (long long)t->n_values, (long long)(given >= 0 ? given : t->n),
@@ -233,13 +237,19 @@ static int fill_uniform(xdmf_reader *r, const xdmf_topology *t, vtk_grid *grid) 
     return PLANISH_OK;
 }
 
-/** Let nodes count from 0. */
+/** Let nodes count from 0. Of a polyhedron numbers stand between them: of faces, and of the nodes of
+ *  each. */
 static void subtract_base(const xdmf_topology *t, vtk_grid *grid) {
-    for (int64_t i = 0; i < grid->n && t->base > 0; i++)
-        for (int64_t k = grid->offset[i]; k < grid->offset[i + 1]; k++) {
+    for (int64_t i = 0; i < grid->n && t->base > 0; i++) {
+        int64_t k = grid->offset[i], count = grid->type[i] == VTK_POLYHEDRON ? ++k : -1;
+        for (; k < grid->offset[i + 1]; k++) {
             const int64_t node = grid->connectivity[k] - t->base;
-            grid->connectivity[k] = node >= 0 ? (int32_t)node : -1;
+            if (k == count)
+                count += 1 + grid->connectivity[k];
+            else
+                grid->connectivity[k] = node >= 0 ? (int32_t)node : -1;
         }
+    }
 }
 
 /** Read the lists of a piece's elements. */

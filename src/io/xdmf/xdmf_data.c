@@ -66,7 +66,7 @@ static int list_arrays(xdmf_reader *r, const xdmf_piece *piece, xdmf_arrays *lis
 /** Find the numbers of an attribute, and how many each of n has. */
 static int find_values(xdmf_reader *r, const xdmf_array *array, int64_t n, xdmf_item *item,
                        int64_t *width) {
-    xdmf_item items[XDMF_MOST_ITEMS];
+    xdmf_item items[XDMF_MOST_ITEMS] = {{.n = -1}};
     int n_items = 0;
     int64_t there = 0;
     int status = xdmf_items_in(r, array->element, items, &n_items);
@@ -331,6 +331,18 @@ static int read_pieces(xdmf_reader *r, xdmf_mesh *m, const io_data *data, double
     return status;
 }
 
+/** Return how many cells a file must have for the elements of the model. */
+static int64_t least_cells(const io_model *model) {
+    const int dim = io_model_dim(model), lists[] = {dim, io_others_list(dim)};
+    int64_t least = 0;
+    for (int k = 0; k < 2; k++) {
+        const io_list list = io_model_list(model, lists[k]);
+        const int64_t last = list.n > 0 ? io_list_number(&list, list.n - 1) : -1;
+        least = last >= least ? last + 1 : least;
+    }
+    return least;
+}
+
 int xdmf_read_data(io_model *model, const io_data *data, double *values, planish_error *error) {
     xdmf_reader r;
     xdmf_mesh m = {0};
@@ -344,7 +356,7 @@ int xdmf_read_data(io_model *model, const io_data *data, double *values, planish
     if (!status)
         status = xdmf_count_cells(&r, &m);
     const int64_t n = data->of_elements ? m.n_cells : n_nodes;
-    if (!status && n_nodes != model->n_nodes)
+    if (!status && (n_nodes != model->n_nodes || m.n_cells < least_cells(model)))
         status = pl_fail(error, PLANISH_ERROR_FILE,
                          "%s: was changed while it was in use; run again when it is complete",
                          r.document.view.input.path);

@@ -74,7 +74,7 @@ static int find_geometry(grid_walk *w, int64_t element, int64_t *index) {
         const xdmf_geometry *other = &m->geometry[*index];
         int is_same = other->n_items == g.n_items && other->columns == g.columns;
         for (int i = 0; i < g.n_items && is_same; i++)
-            is_same = xdmf_is_same(&other->item[i], &g.item[i]);
+            is_same = xdmf_compare(&other->item[i], &g.item[i]) == 0;
         if (is_same)
             return PLANISH_OK;
     }
@@ -97,7 +97,7 @@ static int add_to_piece(grid_walk *w, int64_t grid, xdmf_piece *new) {
     for (int64_t i = 0; i < m->n_pieces && !piece; i++) {
         xdmf_piece *other = &m->piece[i];
         const int is_same = other->has_item && new->has_item
-                                ? xdmf_is_same(&other->item, &new->item)
+                                ? xdmf_compare(&other->item, &new->item) == 0
                                 : other->topology == new->topology;
         piece = is_same && other->geometry == new->geometry ? other : NULL;
     }

@@ -36,7 +36,7 @@ static int find_dimensions(xdmf_reader *r, xdmf_item *item) {
     const char *end = text ? text + strlen(text) : NULL;
     int64_t dimension;
     int rank = 0;
-    item->n = text ? 1 : -1;
+    item->n = 1;
     item->width = 1;
     for (; text; rank++) {
         while (text < end && (io_is_space(*text) || *text == ','))
@@ -49,6 +49,7 @@ static int find_dimensions(xdmf_reader *r, xdmf_item *item) {
         item->n *= dimension;
         item->width = rank > 0 ? dimension : 1;
     }
+    item->n = rank > 0 ? item->n : -1;
     return PLANISH_OK;
 }
 
@@ -99,6 +100,11 @@ static int find_place(xdmf_reader *r, xdmf_item *item) {
     item->file = text;
     while (text.end - item->file.begin > 2 && memcmp(item->file.begin, "./", 2) == 0)
         item->file.begin += 2;
+    if (io_include_leads_up(text))
+        return xdmf_fail(d, item->element,
+                         "'%.*s' has '..' in it; name a file beside this one or below its folder "
+                         "without that",
+                         IO_QUOTED(text));
     if (item->form == XDMF_HDF5 && memchr(text.begin, '|', (size_t)io_slice_length(text)))
         return xdmf_fail(d, item->element,
                          "a part of an array ('|') is not read; write the mesh to "
@@ -166,15 +172,20 @@ int xdmf_items_in(xdmf_reader *r, int64_t element, xdmf_item *item, int *n) {
     return status;
 }
 
-static int is_same_text(io_slice a, io_slice b) {
-    const int64_t n = io_slice_length(a);
-    return n == io_slice_length(b) && (n == 0 || memcmp(a.begin, b.begin, (size_t)n) == 0);
+/** Compare two numbers. */
+static int compare(int64_t a, int64_t b) {
+    return (a > b) - (a < b);
 }
 
-int xdmf_is_same(const xdmf_item *a, const xdmf_item *b) {
-    return a->element == b->element ||
-           (a->form == b->form && a->form != XDMF_TEXT && a->seek == b->seek &&
-            is_same_text(a->file, b->file) && is_same_text(a->place, b->place));
+int xdmf_compare(const xdmf_item *a, const xdmf_item *b) {
+    const int form = compare(a->form, b->form);
+    if (form || a->element == b->element)
+        return form;
+    if (a->form == XDMF_TEXT)
+        return compare(a->element, b->element);
+    const int file = io_include_compare(a->file, b->file);
+    const int place = file ? file : io_include_compare(a->place, b->place);
+    return place ? place : compare(a->seek, b->seek);
 }
 
 /* ---- files ---------------------------------------------------------------------------------- */
@@ -187,6 +198,7 @@ static int add_file(xdmf_reader *r, const xdmf_item *item, io_bytes bytes, xdmf_
         return pl_fail_memory(r->error, "the files of the mesh");
     }
     f->name = item->file;
+    f->form = item->form;
     f->own = (io_model){.input = bytes, .is_binary = 1, .threads = r->model->threads};
     f->model = &f->own;
     *file = f;
@@ -208,7 +220,7 @@ int xdmf_open(xdmf_reader *r, const xdmf_item *item, xdmf_file **file) {
     int status = PLANISH_OK;
     *file = NULL;
     for (int64_t i = 0; i < r->n_files; i++)
-        if (is_same_text(r->file[i]->name, item->file))
+        if (r->file[i]->form == item->form && io_include_compare(r->file[i]->name, item->file) == 0)
             *file = r->file[i];
     if (!*file) {
         const io_model *view = &r->document.view;

@@ -1,7 +1,7 @@
 /* xdmf_items: the numbers of an XDMF file: in its text, in files of HDF5, and in files of bytes.
  *
  *   xdmf_file, xdmf_reader                     files while they are read
- *   xdmf_item, xdmf_items_in, xdmf_is_same     DataItem elements
+ *   xdmf_item, xdmf_items_in, xdmf_compare     DataItem elements
  *   xdmf_open, xdmf_take_input, xdmf_close     files beside
  *   xdmf_check_count, xdmf_integers, xdmf_reals    values
  *   xdmf_hdf5_...                              those in HDF5 (xdmf_hdf5.c)
@@ -13,9 +13,12 @@
 #include "io/vtk/vtk_numbers.h"
 #include "io/xdmf/xdmf_markup.h"
 
+typedef enum xdmf_form { XDMF_TEXT, XDMF_HDF5, XDMF_BYTES } xdmf_form;
+
 /** A file that the XML names. */
 typedef struct xdmf_file {
     io_slice name;   /* in the XML */
+    xdmf_form form;  /* that it was opened as: of HDF5 the bytes are a copy */
     io_model own;    /* its bytes, for errors; or */
     io_model *model; /* the reader's, if it has the coordinates */
     io_hdf5 *hdf5;   /* NULL: it is no HDF5 file, or has not been opened as one */
@@ -28,8 +31,6 @@ typedef struct xdmf_reader {
     xdmf_file **file; /* [n_files] owned */
     int64_t n_files, file_capacity;
 } xdmf_reader;
-
-typedef enum xdmf_form { XDMF_TEXT, XDMF_HDF5, XDMF_BYTES } xdmf_form;
 
 /** A DataItem. */
 typedef struct xdmf_item {
@@ -59,8 +60,8 @@ int xdmf_item_of(xdmf_reader *reader, int64_t element, xdmf_item *item);
 /** Find the DataItem elements in an element: item [XDMF_MOST_ITEMS], *n of them. */
 int xdmf_items_in(xdmf_reader *reader, int64_t element, xdmf_item *item, int *n);
 
-/** Return whether both are the same numbers, by their place. */
-int xdmf_is_same(const xdmf_item *a, const xdmf_item *b);
+/** Compare the places of numbers: 0 if both are the same, else their order. */
+int xdmf_compare(const xdmf_item *a, const xdmf_item *b);
 
 /** Open the file of an item, which is not XDMF_TEXT. */
 int xdmf_open(xdmf_reader *reader, const xdmf_item *item, xdmf_file **file);

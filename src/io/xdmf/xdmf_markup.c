@@ -85,7 +85,7 @@ static int end_element(io_xml *xml, const char *name) {
     xdmf_document *d = xml->user;
     xdmf_element *e = &d->element[d->open];
     (void)name;
-    e->is_broken = e->child == NO_ELEMENT && e->end > e->begin && e->end != xml->tag_begin;
+    e->is_broken = e->child == NO_ELEMENT && xml->tag_begin > e->begin && e->end != xml->tag_begin;
     d->open = e->parent;
     return PLANISH_OK;
 }
@@ -254,18 +254,36 @@ static int is_true(const xdmf_document *d, const condition *c, int64_t element, 
     return 0;
 }
 
+/** Note that n more elements have been looked at; paths that look at too many are not followed. */
+static void count_looks(path_walk *w, int64_t n) {
+    w->d->n_looked_at += n;
+    w->is_bad |= w->d->n_looked_at > MOST_LOOKED_AT;
+}
+
+/** Return the position that the condition at the cursor asks for; 0: it asks for none. */
+static int64_t position_ahead(const path_walk *w) {
+    path_walk ahead = *w;
+    int64_t position;
+    return take(&ahead, "[") && !io_parse_integer(&ahead.rest.at, ahead.rest.end, &position) &&
+                   position > 0
+               ? position
+               : 0;
+}
+
 /** Add the elements called name in an element, those for which the conditions at the cursor hold. */
 static int add_children(path_walk *w, int64_t element, const char *name, xdmf_list *to) {
-    const int64_t first = to->n;
+    const int64_t first = to->n, position = position_ahead(w);
     int status = PLANISH_OK;
-    for (int64_t c = first_in(w->d, element); c != NO_ELEMENT && !status;
-         c = element == NO_ELEMENT ? NO_ELEMENT : w->d->element[c].next, w->d->n_looked_at++)
+    for (int64_t c = first_in(w->d, element);
+         c != NO_ELEMENT && !status && (position == 0 || to->n - first < position);
+         c = element == NO_ELEMENT ? NO_ELEMENT : w->d->element[c].next, count_looks(w, 1))
         if (strcmp(name, "*") == 0 || xdmf_is(w->d, c, name))
             status = add(w->d, to, c);
     while (!status && !w->is_bad && take(w, "[")) {
         condition c;
         int64_t n = first;
         take_condition(w, &c);
+        count_looks(w, to->n - first);
         for (int64_t i = first; i < to->n; i++)
             if (is_true(w->d, &c, to->element[i], i - first + 1))
                 to->element[n++] = to->element[i];
@@ -281,15 +299,17 @@ static int take_step(path_walk *w, xdmf_list *list) {
     int status = PLANISH_OK;
     const int is_deep = take(w, "/"); /* from any element within, too */
     take_name(w, name);
-    for (int64_t i = 0; is_deep && i < from.n && !status; i++)
+    for (int64_t i = 0; is_deep && i < from.n && !status && !w->is_bad; i++)
         for (int64_t e = from.element[i], c = first_in(w->d, e); c != NO_ELEMENT && !status;
-             c = e == NO_ELEMENT ? NO_ELEMENT : w->d->element[c].next)
-            status = from.n <= w->d->n ? add(w->d, &from, c) : PLANISH_OK;
+             c = e == NO_ELEMENT ? NO_ELEMENT : w->d->element[c].next, count_looks(w, 1)) {
+            w->is_bad |= from.n > w->d->n; /* some are in it twice */
+            status = w->is_bad ? PLANISH_OK : add(w->d, &from, c);
+        }
     const io_cursor conditions = w->rest;
     for (int64_t i = 0; i < from.n && !status && !w->is_bad; i++) {
         w->rest = conditions;
         status = add_children(w, from.element[i], name, &to);
-        w->is_bad |= to.n > w->d->n || w->d->n_looked_at > MOST_LOOKED_AT; /* again and again */
+        w->is_bad |= to.n > w->d->n; /* some are in it twice */
     }
     if (from.n == 0)
         w->rest.at = w->rest.end;
@@ -312,6 +332,27 @@ static void take_counts(path_walk *w, xdmf_list *list) {
     list->element[0] = at;
 }
 
+/** Take the steps of a path, from the list of NO_ELEMENT alone on. */
+static int take_steps(path_walk *w, xdmf_list *list) {
+    int status = PLANISH_OK;
+    if (take(w, "element(")) {
+        take_counts(w, list);
+        demand(w, ")");
+    } else {
+        const int is_pointer = take(w, "xpointer(");
+        do {
+            demand(w, "/");
+            status = w->is_bad ? PLANISH_OK : take_step(w, list);
+            io_skip_space(&w->rest);
+        } while (!status && !w->is_bad && w->rest.at < w->rest.end && *w->rest.at == '/');
+        if (is_pointer && w->rest.at < w->rest.end)
+            demand(w, ")");
+    }
+    io_skip_space(&w->rest);
+    w->is_bad |= w->rest.at < w->rest.end;
+    return status;
+}
+
 /** Find the elements that the path, which stands in an element, leads to: d->last_found, which the path
  *  before leaves where it is the same. */
 static int follow(xdmf_document *d, int64_t element, io_slice path) {
@@ -320,33 +361,30 @@ static int follow(xdmf_document *d, int64_t element, io_slice path) {
         memcmp(d->last_path, path.begin, (size_t)length) == 0)
         return PLANISH_OK;
     pl_free(d->last_path);
-    d->last_path = pl_alloc(length + 1, 1);
+    d->last_path = NULL;
     d->last_found.n = 0;
-    int status = d->last_path ? add(d, &d->last_found, NO_ELEMENT) : fail_memory(d);
-    if (status)
-        return status;
-    memcpy(d->last_path, path.begin, (size_t)length);
-    d->last_path[length] = '\0';
-    path_walk w = {d, {d->last_path, d->last_path + length}, 0};
-    if (take(&w, "element(")) {
-        take_counts(&w, &d->last_found);
-        demand(&w, ")");
-    } else {
-        const int is_pointer = take(&w, "xpointer(");
-        do {
-            demand(&w, "/");
-            status = w.is_bad ? PLANISH_OK : take_step(&w, &d->last_found);
-            io_skip_space(&w.rest);
-        } while (!status && !w.is_bad && w.rest.at < w.rest.end && *w.rest.at == '/');
-        if (is_pointer && w.rest.at < w.rest.end)
-            demand(&w, ")");
+    char *text = pl_alloc(length + 1, 1);
+    int status = text ? add(d, &d->last_found, NO_ELEMENT) : fail_memory(d);
+    if (text) {
+        memcpy(text, path.begin, (size_t)length);
+        text[length] = '\0';
     }
-    io_skip_space(&w.rest);
-    if (!status && (w.is_bad || w.rest.at < w.rest.end))
-        return xdmf_fail(d, element,
-                         "the path '%.100s' is not understood; planish follows paths "
-                         "such as /Xdmf/Domain/Grid[1]/Topology",
-                         d->last_path);
+    path_walk w = {d, {text, text ? text + length : NULL}, 0};
+    if (!status)
+        status = take_steps(&w, &d->last_found);
+    if (!status && d->n_looked_at > MOST_LOOKED_AT)
+        status = xdmf_fail(d, element,
+                           "its path and those before it pass too many elements; write what it "
+                           "refers to in its place");
+    else if (!status && w.is_bad)
+        status = xdmf_fail(d, element,
+                           "the path '%.100s' is not understood; planish follows paths "
+                           "such as /Xdmf/Domain/Grid[1]/Topology",
+                           text);
+    if (status)
+        pl_free(text);
+    else
+        d->last_path = text;
     return status;
 }
 

@@ -8,6 +8,7 @@
 #include "base/status.h"
 #include "base/round.h"
 #include "io/core/components.h"
+#include "io/core/include.h"
 
 #include <stdlib.h>
 
@@ -21,9 +22,7 @@ static int check_alike(xdmf_reader *r, const xdmf_geometry *first, const xdmf_ge
                          "some points have two coordinates and some three");
     for (int k = 0; k < g->n_items; k++) {
         const xdmf_item *b = &g->item[k];
-        const int64_t n = io_slice_length(a->file);
-        if (b->form != a->form || io_slice_length(b->file) != n ||
-            (n > 0 && memcmp(a->file.begin, b->file.begin, (size_t)n) != 0))
+        if (b->form != a->form || io_include_compare(a->file, b->file) != 0)
             return xdmf_fail(&r->document, g->element,
                              "the coordinates of the mesh stand in several files; write them to "
                              "one");
@@ -36,6 +35,29 @@ static int check_alike(xdmf_reader *r, const xdmf_geometry *first, const xdmf_ge
             return xdmf_fail(&r->document, b->element, "Float numbers were expected");
     }
     return PLANISH_OK;
+}
+
+static int compare_items(const void *a, const void *b) {
+    return xdmf_compare(*(const xdmf_item *const *)a, *(const xdmf_item *const *)b);
+}
+
+/** Check that no numbers are coordinates twice: these could not be changed apart. */
+static int check_apart(xdmf_reader *r, const xdmf_mesh *m) {
+    const xdmf_item **all = pl_alloc(m->n_geometries * XDMF_MOST_ITEMS, sizeof *all);
+    int64_t n = 0;
+    int status = all ? PLANISH_OK : pl_fail_memory(r->error, "the nodes of the file");
+    for (int64_t i = 0; i < m->n_geometries && !status; i++)
+        for (int k = 0; k < m->geometry[i].n_items; k++)
+            all[n++] = &m->geometry[i].item[k];
+    if (n > 0)
+        qsort(all, (size_t)n, sizeof *all, compare_items);
+    for (int64_t i = 1; i < n && !status; i++)
+        if (compare_items(&all[i - 1], &all[i]) == 0)
+            status = xdmf_fail(&r->document, all[i]->element,
+                               "its numbers are coordinates twice, and cannot be changed apart; "
+                               "write them once for each use");
+    pl_free(all);
+    return status;
 }
 
 /** Find the number of points of a geometry. */
@@ -195,6 +217,8 @@ int xdmf_read_nodes(xdmf_reader *r, xdmf_mesh *m) {
             status = xdmf_fail(&r->document, m->geometry[i].element,
                                "some coordinates stand apart and some not");
     }
+    if (!status)
+        status = check_apart(r, m);
     if (!status && form != XDMF_TEXT)
         status = xdmf_take_input(r, &first->item[0]);
     if (!status)

@@ -103,10 +103,10 @@ static int enter_cells(xdmf_table *t, const io_model *model, int dim, int64_t en
 static int64_t find_cell(const xdmf_table *t, const vtk_grid *grid, int64_t i) {
     int dim = 0, corners = 0;
     const int32_t *node = grid->connectivity + grid->offset[i];
-    if (!xdmf_parts_of(grid->type[i], &dim, &corners) || dim != t->list[0].dim ||
-        grid->offset[i + 1] - grid->offset[i] < corners)
+    const int64_t n = grid->offset[i + 1] - grid->offset[i];
+    if (!xdmf_parts_of(grid->type[i], &dim, &corners) || dim != t->list[0].dim || n < corners)
         return -1;
-    for (int k = 0; k < corners; k++)
+    for (int64_t k = 0; k < n; k++) /* mids, too: nobody else looks at a cell that is there */
         if (node[k] < 0 || node[k] >= grid->n_points)
             return -1;
     const corner_key key = make_key(node, corners, grid->first_point);
