@@ -138,10 +138,16 @@ static int has_face(const cell_faces *f, const shape *s, int face, const int32_t
     return found;
 }
 
-/** Return whether the cell is an element of a shape: node [n_corners] is then filled in. */
-static int is_of_shape(const shape *s, const cell_faces *f, int32_t *node) {
-    if (s->n_triangles != f->n_triangles || s->n_quadrilaterals != f->n_quadrilaterals)
-        return 0;
+/** Return whether a cell has as many faces of each kind as a shape; no two shapes have the same. */
+static int has_kinds(const shape *s, const cell_faces *f) {
+    return s->n_triangles == f->n_triangles && s->n_quadrilaterals == f->n_quadrilaterals;
+}
+
+/** Return whether the cell, which has as many faces of each kind, is an element of a shape: node
+ *  [n_corners] is then filled in. */
+static int is_of_shape(const shape *s, cell_faces *f, int32_t *node) {
+    for (int i = 0; i < f->n; i++)
+        make_key(f->corners[i], f->node[i], f->key[i]);
     propose(s, f, node);
     for (int i = 0; i < s->n_corners; i++)
         for (int k = 0; k < i; k++)
@@ -151,6 +157,28 @@ static int is_of_shape(const shape *s, const cell_faces *f, int32_t *node) {
         if (!has_face(f, s, i, node))
             return 0;
     return 1;
+}
+
+/** Find the tetrahedron that four triangles are, as is_of_shape does: node [4] is then filled in. */
+static int is_tetrahedron(const cell_faces *f, int32_t *node) {
+    const int32_t a = f->node[0][0], b = f->node[0][2], c = f->node[0][1]; /* the base */
+    const int32_t *side = f->node[1];
+    const int32_t d = (side[0] != a && side[0] != b && side[0] != c)   ? side[0]
+                      : (side[1] != a && side[1] != b && side[1] != c) ? side[1]
+                                                                       : side[2];
+    int found = 0;
+    for (int i = 1; i < 4; i++) /* behind the apex come the ends of an edge of the base */
+        for (int k = 0; k < 3; k++) {
+            const int32_t *of = f->node[i];
+            const int32_t p = of[k], q = of[(k + 1) % 3], r = of[(k + 2) % 3];
+            found |= ((p == d) & (q == a) & (r == b)) << 0 | ((p == d) & (q == b) & (r == c)) << 1 |
+                     ((p == d) & (q == c) & (r == a)) << 2;
+        }
+    node[0] = a;
+    node[1] = b;
+    node[2] = c;
+    node[3] = d;
+    return (found == 7) & (a != b) & (b != c) & (c != a) & (d != a) & (d != b) & (d != c);
 }
 
 /* ---- all cells ------------------------------------------------------------------------------ */
@@ -217,7 +245,6 @@ static int gather(const foam_mesh *mesh, const sides *s, int64_t cell, cell_face
         f->n_quadrilaterals += corners == 4;
         for (int k = 0; k < corners; k++)
             f->node[i][k] = mesh->node[side < 0 ? begin + corners - 1 - k : begin + k];
-        make_key((int)corners, f->node[i], f->key[i]);
     }
     return 1;
 }
@@ -261,9 +288,13 @@ static void find_elements(void *context, int64_t begin, int64_t end, int thread)
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         cell_faces f;
+        int32_t *node = b->node[i];
         uint8_t k = gather(b->mesh, b->sides, b->first + i, &f) ? 0 : N_SHAPES;
-        while (k < N_SHAPES && !is_of_shape(&shapes[k], &f, b->node[i]))
+        while (k < N_SHAPES && !has_kinds(&shapes[k], &f))
             k++;
+        if (k < N_SHAPES &&
+            !(k == 0 ? is_tetrahedron(&f, node) : is_of_shape(&shapes[k], &f, node)))
+            k = N_SHAPES;
         b->shape[i] = k;
     }
 }
