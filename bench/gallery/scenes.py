@@ -1,0 +1,142 @@
+"""scenes: the pictures of the gallery. Commands are run by bash in one folder, where docs and bench are the project's;
+figures are of the JSON of each planish smooth, in their order."""
+from collections import namedtuple
+
+import numpy as np
+
+import view
+from picture import Look, falling, radius_ratios
+
+# heading; commands, one a line; files: of the states; titles: of the reports, lines above each state; caption: of the
+# reports; scale; look; values: name of the measure, or a function of a view.Mesh; box: two corners of what is seen, or
+# None: all of it
+Scene = namedtuple("Scene", "heading commands files titles caption scale look values box", defaults=(None,))
+
+
+def n(value, digits=3):
+    """A number as people write it."""
+    return f"{value:.{digits}g}"
+
+
+def ratio(state):
+    return state["max_radius_ratio"] or state["max_aspect_ratio"]
+
+
+def inverted(state):
+    return f"{state['inverted']} inverted elements" if state["inverted"] else "no inverted element"
+
+
+def halves(report, lines, before="before", after="after planish"):
+    """Titles of both states: a name, and lines of each."""
+    return (before, *lines(report["before"])), (after, *lines(report["after"]))
+
+
+def tetrahedra(state):
+    return f"worst radius ratio {n(ratio(state))}", f"smallest angle {n(state['min_dihedral_deg'])}°"
+
+
+def jacobians(state):
+    return inverted(state), f"least scaled Jacobian {n(state['min_scaled_jacobian'], 2)}"
+
+
+def curved(state):
+    return inverted(state), f"least Jacobian / mean {n(state['min_jacobian_ratio'], 2)}"
+
+
+def sizes(state):
+    return (f"sizes are off by a factor of {n(np.exp(state['sizes']['rms_log']))} (RMS)",)
+
+
+def scanned(state):
+    return f"worst radius ratio {n(ratio(state))}", f"RMS {n(state['rms_radius_ratio'])}"
+
+
+def edge_lengths(mesh):
+    """Those of the equilateral triangles of the same areas."""
+    x = np.stack([mesh.points[nodes] for nodes in mesh.nodes])
+    area = np.linalg.norm(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]), axis=1) / 2
+    return np.sqrt(area * 4 / 3 ** 0.5)
+
+
+SCENES = {
+    "bracket": Scene(
+        "After a mesher's own optimisation",
+        """gmsh -3 docs/examples/bracket.geo -setnumber optimise 1 -format msh41 -o bracket.msh
+planish smooth bracket.msh best.msh --best""",
+        ("bracket.msh", "best.msh"), lambda r: halves(r[0], tetrahedra, "as Gmsh's optimiser leaves it"),
+        lambda r: f"{r[0]['mesh']['elements']} tetrahedra that Gmsh has optimised; those with a radius ratio above 2 are "
+                  "drawn. The surface stays within "
+                  f"{n(r[0]['surface']['distance_in_edges'], 2)} of an edge, which is proved.",
+        radius_ratios(1.5, 2, 2.5, 3), Look(view.camera(-60, 25), bad=2), "radius_ratio"),
+    "hexahedra": Scene(
+        "Tangled hexahedra",
+        """bench/untangle/case hextube_turn-80_left tangled.vtk
+planish smooth tangled.vtk untangled.vtk""",
+        ("tangled.vtk", "untangled.vtk"), lambda r: halves(r[0], jacobians),
+        lambda r: f"A tube of {r[0]['mesh']['elements']} hexahedra, whose bore was turned while the nodes inside stayed. "
+                  f"planish repairs all {r[0]['before']['inverted']} inverted elements; the boundary stays.",
+        falling("scaled Jacobian", 0.8, 0.6, 0.4, 0.2), Look(view.camera(-60, 38), lambda x: (x[:, 1] > 0) | (x[:, 0] < 0)),
+        "scaled_jacobian"),
+    "quadratic": Scene(
+        "Curved elements",
+        """gmsh -3 docs/examples/bracket.geo -setnumber h 8 -setnumber optimise 1 -order 2 -format msh41 -o order2.msh
+planish smooth order2.msh valid.msh""",
+        ("order2.msh", "valid.msh"),
+        lambda r: halves(r[0], curved, "as Gmsh raises the order"),
+        lambda r: f"Quadratic tetrahedra around coarse holes: {r[0]['before']['inverted']} are inverted inside, between "
+                  "positive corners. planish moves mid-side nodes and corners inside; the curved boundary stays.",
+        falling("least Jacobian / mean", 0.6, 0.4, 0.2, 0.1), Look(view.camera(-60, 25), bad=3), "jacobian_ratio",
+        ((6, -1, 0), (40, 41, 14))),
+    "layers": Scene(
+        "A boundary layer",
+        """gmsh -3 bench/gallery/layers.geo -format msh41 -o layers.msh
+planish smooth layers.msh kept.msh --layers keep""",
+        ("layers.msh", "kept.msh"), lambda r: halves(r[0], jacobians),
+        lambda r: f"{r[0]['mesh']['kept_layer_elements']} prisms of five layers keep their heights, while the tetrahedra "
+                  "outside get better.",
+        falling("scaled Jacobian", 0.5, 0.3, 0.2, 0.1), Look(view.camera(-60, 20), lambda x: x[:, 1] > 0, has_layers=True),
+        "scaled_jacobian", ((-1.75, 0, -1.75), (1.75, 0, 1.75))),
+    "rotor": Scene(
+        "A moving mesh",
+        """gmsh -2 bench/gallery/rotor.geo -format msh41 -o rotor.msh
+bench/gallery/mesh turned rotor.msh turned.msh
+planish smooth turned.msh followed.msh --like rotor.msh""",
+        ("turned.msh", "followed.msh"),
+        lambda r: halves(r[0], lambda state: (inverted(state),), "the rotor has turned by 15°"),
+        lambda r: "Each triangle becomes what it was before the step, so the fine mesh at the blades survives.",
+        radius_ratios(1.5, 2, 3, 5), Look(), "radius_ratio"),
+    "sizes": Scene(
+        "Sizes",
+        """gmsh -2 bench/plate.geo -setnumber h 0.5 -format msh41 -o plate.msh
+bench/gallery/mesh sizes plate.msh wanted.msh
+planish smooth wanted.msh sized.msh --size size --slide auto""",
+        ("wanted.msh", "sized.msh"),
+        lambda r: halves(r[0], sizes),
+        lambda r: "Small elements are wanted at an arc. The same triangles move there.",
+        falling("edge length", 0.5, 0.4, 0.3, 0.2), Look(),
+        edge_lengths),
+    "scan": Scene(
+        "A scan",
+        """bench/gallery/mesh scan scan.stl
+planish smooth scan.stl better.stl""",
+        ("scan.stl", "better.stl"),
+        lambda r: halves(r[0], scanned),
+        lambda r: f"{r[0]['mesh']['elements']} triangles, cut out of a grid. Nodes slide on the surface, which is at most "
+                  f"{n(r[0]['surface']['distance_in_edges'], 2)} edges off the scan: proved for every point.",
+        radius_ratios(1.5, 2, 3, 5), Look(view.camera(-60, 25)), "radius_ratio"),
+    "quadrilaterals": Scene(
+        "Quadrilaterals",
+        """gmsh -2 bench/plate.geo -string "Mesh.RecombineAll=1;Mesh.Smoothing=0;" -format msh41 -o quads.msh
+planish smooth quads.msh smooth.msh --slide auto""",
+        ("quads.msh", "smooth.msh"), lambda r: halves(r[0], jacobians),
+        lambda r: f"{r[0]['mesh']['elements']} elements that Gmsh has joined from triangles.",
+        falling("scaled Jacobian", 0.9, 0.8, 0.6, 0.4), Look(), "scaled_jacobian"),
+    "mixed": Scene(
+        "All types, two materials",
+        """bench/gallery/mesh mixed mixed.vtk
+planish smooth mixed.vtk smoothed.vtk""",
+        ("mixed.vtk", "smoothed.vtk"), lambda r: halves(r[0], jacobians),
+        lambda r: "Hexahedra, wedges, pyramids and tetrahedra. Nodes between the two materials (black line) are held.",
+        falling("scaled Jacobian", 0.8, 0.6, 0.4, 0.2), Look(view.camera(-60, 30), lambda x: x[:, 2] < 4),
+        "scaled_jacobian"),
+}
