@@ -2,7 +2,9 @@
 """gallery: the pictures of docs/gallery.md, and that document.   gallery.py PLANISH [NAME ...]
 
 With names, these pictures alone."""
+import functools
 import json
+import multiprocessing
 import os
 import subprocess
 import sys
@@ -22,8 +24,8 @@ ANGLES = "angles"
 TEMPLATE = """<!-- bench/gallery/run makes this page: change bench/gallery/scenes.py -->
 # Gallery
 
-`bench/gallery/run` makes these pictures and measures these figures, by the commands shown. The two halves of a picture
-have the same view and colours. Purple elements are inverted.
+`bench/gallery/run` makes these pictures and measures their figures by the commands shown. Both halves of a picture have the
+same view and the same colours.
 """
 
 
@@ -66,10 +68,16 @@ class Folder:
         return found._replace(values=values(found)) if callable(values) else found
 
 
-def draw(folder, name):
-    """Write the picture of a scene; returns its section of the document."""
+def draw(name, program):
+    """Write a picture; returns its section of the document."""
+    with tempfile.TemporaryDirectory() as path:
+        folder = Folder(path, program)
+        return draw_angles(folder) if name == ANGLES else draw_mesh(folder, name)
+
+
+def draw_mesh(folder, name):
+    """The picture of a scene."""
     scene = SCENES[name]
-    print(name, flush=True)
     reports = folder.run(scene.commands)
     texts = scene.titles(reports)
     states = [(text, folder.mesh(file, scene.values)) for text, file in zip(texts, scene.files)]
@@ -78,14 +86,14 @@ def draw(folder, name):
 
 
 def draw_angles(folder):
-    """The same for the picture without a mesh."""
+    """The picture without a mesh."""
     reports = folder.run(histogram.COMMANDS)
     states = reports[0]["before"], reports[0]["after"], reports[1]["after"]
-    texts = [(name, f"smallest angle {state['min_dihedral_deg']:.3g}°")
+    texts = [(name, f"smallest angle {state['min_dihedral_deg']:.4g}°")
              for name, state in zip(("as Gmsh leaves it", "planish smooth", "planish smooth --best"), states)]
     write(path_of("angles"), histogram.picture([(text, state["angle_histogram"]) for text, state in zip(texts, states)]))
-    caption = (f"{reports[0]['mesh']['elements']} triangles, counted by their smallest angles. The default improves the mean, "
-               "--best the worst element, too.")
+    caption = (f"{reports[0]['mesh']['elements']} triangles are counted by their smallest angles. The default improves the mean. "
+               "--best then raises the smallest angle.")
     return section("angles", "The worst element", texts, caption, histogram.COMMANDS)
 
 
@@ -116,14 +124,13 @@ def write(path, text):
 
 def main():
     program, *names = sys.argv[1:]
-    with tempfile.TemporaryDirectory() as path:
-        folder = Folder(path, os.path.abspath(program))
-        sections = [draw_angles(folder) if name == ANGLES else draw(folder, name)
-                    for name in names or [*SCENES, ANGLES]]
-        if names:
-            print("".join(sections))
-        else:
-            write("docs/gallery.md", TEMPLATE + "".join(sections))
+    wanted = names or [*SCENES, ANGLES]
+    with multiprocessing.Pool(len(wanted)) as pool:
+        sections = pool.map(functools.partial(draw, program=os.path.abspath(program)), wanted, 1)
+    if names:
+        print("".join(sections))
+    else:
+        write("docs/gallery.md", TEMPLATE + "".join(sections))
 
 
 if __name__ == "__main__":

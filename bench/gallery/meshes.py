@@ -2,7 +2,7 @@
 """meshes: the meshes of the gallery that no mesher makes.
 
    meshes.py mixed OUT.vtk         elements of four types and two materials, its inner nodes moved at random
-   meshes.py scan OUT.stl          a smooth surface, cut out of a grid as scanners do
+   meshes.py scan OUT.stl          a smooth closed surface of irregular triangles
    meshes.py turned IN.msh OUT.msh the rotor of rotor.geo turned, while the nodes inside stay behind
    meshes.py sizes IN.msh OUT.msh  with wanted sizes at the nodes, small at a front: the array "size" """
 import sys
@@ -11,6 +11,7 @@ import numpy as np
 
 import bases
 import cells
+import layers
 import meshfile
 import planish
 
@@ -18,9 +19,7 @@ PUSH = 0.42                                # of mixed, in spacings of its grid
 TURN = np.radians(15)
 FRONT = np.array([8., -4.]), 10.5          # centre and radius of a circle
 FINE, SLOPE, COARSE = 0.2, 0.12, 0.7       # sizes at the front, and away from it
-SCAN_SIDE = 22                             # bricks of the grid, along each side of a cube from -1 to 1
-NEAREST = 0.05                             # part of an edge of the grid that is left between the surface and a node
-BALLS = np.array([(-0.4, -0.15, -0.3, 0.42), (0.3, -0.25, -0.2, 0.4), (0.1, 0.35, -0.25, 0.4), (0, 0, 0.35, 0.38)])
+SCAN_CUTS, SCAN_PUSH = 4, 0.45             # of a scan's triangles; of its nodes, in edges
 
 
 def mixed(out):
@@ -35,44 +34,16 @@ def mixed(out):
         file.write(material.astype(">i4").tobytes() + b"\n")
 
 
-def level(points):
-    """Positive inside of balls that run into one another."""
-    distance = np.linalg.norm(points[:, None] - BALLS[:, :3], axis=2) / BALLS[:, 3]
-    return np.exp(-1.5 * (distance ** 2 - 1)).sum(axis=1) - 1
-
-
-def crossing(points, values, i, j):
-    """Where the level is 0 between nodes i and j, the same bits for j and i."""
-    i, j = np.minimum(i, j), np.maximum(i, j)
-    part = np.clip(values[i] / (values[i] - values[j]), NEAREST, 1 - NEAREST)[:, None]
-    return points[i] + part * (points[j] - points[i])
-
-
-def cut(points, values, tetrahedra):
-    """Triangles [k][3][3] of the surface of level 0, oriented outwards."""
-    is_out = values[tetrahedra] <= 0
-    nodes = np.take_along_axis(tetrahedra, np.argsort(is_out, axis=1, kind="stable"), axis=1)  # those inside first
-    corners = {1: [((0, 1), (0, 2), (0, 3))], 3: [((0, 3), (1, 3), (2, 3))],
-               2: [((0, 2), (0, 3), (1, 3)), ((0, 2), (1, 3), (1, 2))]}
-    found = []
-    for n_inside, triangles in corners.items():
-        some = nodes[(~is_out).sum(axis=1) == n_inside]
-        outwards = points[some[:, 3]] - points[some[:, 0]]
-        for triangle in triangles:
-            x = np.stack([crossing(points, values, some[:, i], some[:, j]) for i, j in triangle], axis=1)
-            is_turned = (np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]) * outwards).sum(axis=1) < 0
-            x[is_turned] = x[is_turned, ::-1]
-            found.append(x)
-    return np.concatenate(found)
-
-
 def scan(out):
-    points, bricks = bases.grid(*[SCAN_SIDE] * 3)
-    points = 2 * points / SCAN_SIDE - 1
-    triangles = cut(points, level(points), bricks[:, bases.KUHN].reshape(-1, 4))
+    points, triangles = layers.icosphere(SCAN_CUTS)
+    edge = np.linalg.norm(points[triangles[:, 0]] - points[triangles[:, 1]], axis=1).mean()
+    points = points + np.random.RandomState(1).uniform(-SCAN_PUSH, SCAN_PUSH, points.shape) * edge
+    points /= np.linalg.norm(points, axis=1)[:, None]
+    x, y, z = points.T
+    points *= (1 + 0.16 * (np.sin(3 * x) + np.sin(3 * y + 1) * np.cos(2 * z)))[:, None]
     with open(out, "w", encoding="ascii") as file:
         file.write("solid scan\n")
-        for triangle in triangles.tolist():
+        for triangle in points[triangles].tolist():
             vertices = "".join(f"vertex {x!r} {y!r} {z!r}\n" for x, y, z in triangle)
             file.write(f"facet normal 0 0 0\nouter loop\n{vertices}endloop\nendfacet\n")
         file.write("endsolid scan\n")

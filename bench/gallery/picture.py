@@ -23,8 +23,9 @@ BOLD = ' class="bold"'
 # name of a measure; limits between its classes; labels of these, the best first
 Scale = namedtuple("Scale", "measure limits labels")
 # eye: a view.Camera; is_kept: which elements are drawn, by their centroids [m][3]; bad: draw the elements of this class and
-# worse ones alone, in the outline of the mesh; has_layers: of wedges, which have a colour of their own
-Look = namedtuple("Look", "eye is_kept bad has_layers", defaults=(view.FLAT, None, 0, False))
+# worse ones alone, in the outline of the mesh; has_layers: of wedges, which have a colour of their own; has_borders: draw
+# lines between regions
+Look = namedtuple("Look", "eye is_kept bad has_layers has_borders", defaults=(view.FLAT, None, 0, False, False))
 
 
 def radius_ratios(*limits):
@@ -32,11 +33,11 @@ def radius_ratios(*limits):
 
 
 def rising(limits):
-    return [f"to {limit:g}" for limit in limits] + [f"above {limits[-1]:g}"]
+    return [f"to {limit:g}" for limit in limits] + [f"> {limits[-1]:g}"]
 
 
 def falling(name, *limits):
-    return Scale(name, limits, [f"above {limit:g}" for limit in limits] + ["below"])
+    return Scale(name, limits, [f"> {limit:g}" for limit in limits] + ["less"])
 
 
 def spread(scale):
@@ -156,12 +157,11 @@ def content(mesh, scale, look, frame, is_kept):
     if look.bad:
         return within_outline(mesh, scale, look, frame, pixels, places, rgb)
     faces = view.outer_faces(mesh, is_kept)
-    lines = [view.borders(mesh, faces), view.rims(faces)]
     if look.eye is not view.FLAT:
         faces = view.visible(mesh, faces, look.eye, pixels, frame.size)
-        lines = [view.borders(mesh, faces)]
     body = drawn_faces(mesh, faces, rgb, places, look)
-    return f'<g class="mesh">{body}</g>\n' + drawn_lines(np.concatenate(lines), places)
+    lines = view.borders(mesh, faces) if look.has_borders else view.rims(faces) if look.eye is view.FLAT else []
+    return f'<g class="mesh">{body}</g>\n' + drawn_lines(lines, places)
 
 
 def within_outline(mesh, scale, look, frame, pixels, places, rgb):

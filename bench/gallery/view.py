@@ -170,7 +170,5 @@ def rims(faces):
 def borders(mesh, faces):
     """Edges [e][3] between regions."""
     found, sides = edges(faces)
-    if mesh.regions is None:
-        return found[:0]
     region = mesh.regions[faces.elements]
     return found[(sides[:, 1] >= 0) & (region[sides[:, 0]] != region[sides[:, 1]])]
