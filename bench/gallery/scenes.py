@@ -98,7 +98,7 @@ planish smooth layers.msh kept.msh --layers keep""",
         lambda r: f"{r[0]['mesh']['kept_layer_elements']} prisms in five layers keep their heights. The tetrahedra around them get "
                   "better.",
         falling("scaled Jacobian", 0.5, 0.3, 0.2, 0.1), Look(view.camera(-60, 20), lambda x: x[:, 1] > 0, has_layers=True),
-        "scaled_jacobian", ((-1.75, 0, -1.75), (1.75, 0, 1.75))),
+        "scaled_jacobian", ((-1.6, 0, -1.45), (1.6, 0, 1.45))),
     "rotor": Scene(
         "A moving mesh",
         """gmsh -2 bench/gallery/rotor.geo -format msh41 -o rotor.msh
@@ -125,7 +125,7 @@ planish smooth wanted.msh sized.msh --size size --slide auto""",
 planish smooth scan.stl better.stl""",
         ("scan.stl", "better.stl"),
         lambda r: halves(r[0], scanned),
-        lambda r: f"{r[0]['mesh']['elements']} irregular triangles. Their nodes slide along the surface. planish proves "
+        lambda r: f"{r[0]['mesh']['elements']} irregular triangles slide along their surface. planish proves "
                   f"that no point leaves the scan by more than {distance(r[0])} edge lengths.",
         radius_ratios(1.5, 2, 3, 5), Look(view.camera(-60, 25)), "radius_ratio"),
     "quadrilaterals": Scene(
