@@ -24,8 +24,8 @@ ANGLES = "angles"
 TEMPLATE = """<!-- bench/gallery/run makes this page: change bench/gallery/scenes.py -->
 # Gallery
 
-`bench/gallery/run` makes these pictures and measures their figures by the commands shown. Both halves of a picture have the
-same view and the same colours.
+`bench/gallery/run` makes these pictures and measures their figures by the commands shown. Both halves of a picture have
+the same view and the same colours.
 """
 
 
@@ -91,9 +91,10 @@ def draw_angles(folder):
     states = reports[0]["before"], reports[0]["after"], reports[1]["after"]
     texts = [(name, f"smallest angle {state['min_dihedral_deg']:.4g}°")
              for name, state in zip(("as Gmsh leaves it", "planish smooth", "planish smooth --best"), states)]
-    write(path_of("angles"), histogram.picture([(text, state["angle_histogram"]) for text, state in zip(texts, states)]))
-    caption = (f"{reports[0]['mesh']['elements']} triangles are counted by their smallest angles. The default improves the mean. "
-               "--best then raises the smallest angle.")
+    panels = [(text, state["angle_histogram"]) for text, state in zip(texts, states)]
+    write(path_of("angles"), histogram.picture(panels))
+    caption = (f"{reports[0]['mesh']['elements']} triangles are counted by their smallest angles. The default improves "
+               "the mean. --best then raises the smallest angle.")
     return section("angles", "The worst element", texts, caption, histogram.COMMANDS)
 
 

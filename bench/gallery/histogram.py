@@ -2,14 +2,14 @@
 import html
 import math
 
-from picture import COLOURS, GAP, KEPT, LINE, WIDTH, document, titled
+from picture import COLOURS, GAP, KEPT, LINE, WIDTH, document, in_hex, titled
 
 HEAD = 3 * LINE          # pixels: of the titles, and of numbers above bars
 HEIGHT, AXIS = 220, 46   # of the bars, and of the axis below
 LEAST = 0.5              # elements at the foot of a bar, as the axis is logarithmic
-COMMANDS = """gmsh -2 bench/plate.geo -setnumber h 0.3 -string "Mesh.Algorithm=5;Mesh.Smoothing=0;" -format msh41 -o triangles.msh
-planish smooth triangles.msh mean.msh --slide auto
-planish smooth triangles.msh best.msh --best"""
+COMMANDS = """gmsh -2 bench/plate.geo -setnumber h 0.3 -string "Mesh.Algorithm=5;Mesh.Smoothing=0;" -format msh41 -o tri.msh
+planish smooth tri.msh mean.msh --slide auto
+planish smooth tri.msh best.msh --best"""
 
 
 def bars(histogram, x, width, most):
@@ -25,9 +25,9 @@ def bars(histogram, x, width, most):
     step = width / len(shown)
     for k, (low, count) in enumerate(shown):
         if count:
-            colour = COLOURS[3] if low < 40 else KEPT
+            colour = in_hex(COLOURS[3] if low < 40 else KEPT)
             found.append(f'<rect x="{x + k * step + 1:.1f}" y="{level(count):.1f}" width="{step - 2:.1f}" '
-                         f'height="{foot - level(count):.1f}" fill="rgb({colour[0]},{colour[1]},{colour[2]})"/>')
+                         f'height="{foot - level(count):.1f}" fill="{colour}"/>')
     found.append(f'<path d="M{x:.0f} {foot}h{width:.0f}" stroke="#222"/>')
     for angle in 0, 20, 40, 60:
         anchor = "start" if angle == 0 else "end" if angle == 60 else "middle"

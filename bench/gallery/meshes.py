@@ -19,7 +19,7 @@ PUSH = 0.42                                # of mixed, in spacings of its grid
 TURN = np.radians(15)
 FRONT = np.array([8., -4.]), 10.5          # centre and radius of a circle
 FINE, SLOPE, COARSE = 0.2, 0.12, 0.7       # sizes at the front, and away from it
-SCAN_CUTS, SCAN_PUSH = 4, 0.25             # of a scan's triangles; of its nodes, in edges
+SCAN_CUTS, SCAN_PUSH = 3, 0.32             # of a scan's triangles; of its nodes, in edges
 
 
 def mixed(out):

@@ -13,7 +13,7 @@ STYLE = """text { font: 17px sans-serif; fill: #222 } .bold { font-weight: bold 
 .mesh { stroke: #26323d; stroke-width: 5; stroke-linejoin: round }
 .line { fill: none; stroke: #111; stroke-width: 16; stroke-linejoin: round } .faint { opacity: 0.3 }"""
 
-# From good to bad, told apart by their brightness too; then inverted elements, and those that are told apart as kept.
+# From good to bad, told apart by their brightness, too; then those of inverted elements, layers, and the outline.
 COLOURS = np.array([[221, 230, 239], [254, 224, 139], [253, 163, 66], [217, 95, 14], [127, 39, 4]])
 INVERTED, KEPT, SHELL = np.array([94, 60, 153]), np.array([116, 173, 209]), np.array([240, 243, 246])
 PALEST = 0.93  # of shades of the shell
@@ -22,9 +22,9 @@ BOLD = ' class="bold"'
 
 # name of a measure; limits between its classes; labels of these, the best first
 Scale = namedtuple("Scale", "measure limits labels")
-# eye: a view.Camera; is_kept: which elements are drawn, by their centroids [m][3]; bad: draw the elements of this class and
-# worse ones alone, in the outline of the mesh; has_layers: of wedges, which have a colour of their own; has_borders: draw
-# lines between regions
+# eye: a view.Camera; is_kept: which elements are drawn, by their centroids [m][3]; bad: draw the elements of this class
+# and worse ones alone, in the outline of the mesh; has_layers: wedges have a colour of their own; has_borders: lines are
+# drawn between regions
 Look = namedtuple("Look", "eye is_kept bad has_layers has_borders", defaults=(view.FLAT, None, 0, False, False))
 
 
@@ -41,7 +41,7 @@ def falling(name, *limits):
 
 
 def spread(scale):
-    """Which COLOURS the classes have: the first, and the last ones."""
+    """COLOURS of the classes: the first, and the last ones."""
     n = len(scale.limits) + 1
     return COLOURS[[0, *range(len(COLOURS) - n + 1, len(COLOURS))]]
 
@@ -89,37 +89,19 @@ def path_of(corners, mids, places):
     return curves(at, places[mids[mids >= 0]]) if (mids >= 0).any() else steps(at) + "z"
 
 
-def filled(colour, path):
-    return f'<path fill="#{colour[0]:02x}{colour[1]:02x}{colour[2]:02x}" d="{path}"/>'
+def in_hex(colour):
+    return f"#{colour[0]:02x}{colour[1]:02x}{colour[2]:02x}"
 
 
 def runs(fills, paths):
     """Paths one after the other, those of a colour that follow each other as one."""
     found, last = [], None
     for colour, path in zip(fills.tolist(), paths):
-        if colour == last:
-            found[-1][1].append(path)
-        else:
-            found.append((colour, [path]))
+        if colour != last:
+            found.append((colour, []))
+        found[-1][1].append(path)
         last = colour
-    return "\n".join(filled(colour, "".join(same)) for colour, same in found)
-
-
-def drawn_faces(mesh, faces, rgb, places, look, darkest=view.DARKEST):
-    """Faces in their order, or, in the plane, by colour with inverted ones on top."""
-    fills = rgb[faces.elements]
-    if look.eye is view.FLAT:
-        order = np.lexsort((*fills.T, mesh.is_inverted[faces.elements]))
-        faces = view.chosen(faces, order)
-        fills = fills[order]
-    else:
-        fills = np.round(fills * view.shades(mesh, faces, look.eye, darkest)[:, None]).astype(int)
-    return runs(fills, [path_of(*face, places) for face in zip(faces.corners, faces.mids)])
-
-
-def drawn_lines(edges, places, kind="line"):
-    path = "".join(line_of(*edge, places) for edge in edges)
-    return f'<path class="{kind}" d="{path}"/>' if path else ""
+    return "\n".join(f'<path fill="{in_hex(colour)}" d="{"".join(same)}"/>' for colour, same in found)
 
 
 # ---- panels --------------------------------------------------------------------------------------
@@ -149,33 +131,55 @@ class Frame:
         return found
 
 
-def content(mesh, scale, look, frame, is_kept):
-    """The mesh as SVG."""
-    pixels = frame.pixels(mesh.points)
-    places = np.round(pixels[:, :2] * UNITS).astype(int)
-    rgb = colours(mesh, scale, look)
-    if look.bad:
-        return within_outline(mesh, scale, look, frame, pixels, places, rgb)
-    faces = view.outer_faces(mesh, is_kept)
-    if look.eye is not view.FLAT:
-        faces = view.visible(mesh, faces, look.eye, pixels, frame.size)
-    body = drawn_faces(mesh, faces, rgb, places, look)
-    lines = view.borders(mesh, faces) if look.has_borders else view.rims(faces) if look.eye is view.FLAT else []
-    return f'<g class="mesh">{body}</g>\n' + drawn_lines(lines, places)
+class Drawing:
+    """A state of a mesh in a frame, as SVG."""
 
+    def __init__(self, mesh, scale, look, frame):
+        self.mesh, self.look, self.frame = mesh, look, frame
+        self.pixels = frame.pixels(mesh.points)
+        self.places = np.round(self.pixels[:, :2] * UNITS).astype(int)
+        self.rgb = colours(mesh, scale, look)
+        self.is_bad = (classes(mesh, scale) >= look.bad) | mesh.is_inverted
 
-def within_outline(mesh, scale, look, frame, pixels, places, rgb):
-    """The bad elements alone, in the shell of the mesh."""
-    shell = view.outer_faces(mesh, np.ones(len(mesh.types), bool))
-    edge = view.creases(mesh, shell)
-    towards = view.normals(mesh, shell) @ look.eye.towards
-    back = view.visible(mesh, view.chosen(shell, towards < 0), look.eye, pixels, frame.size)
-    grey = np.tile(SHELL, (len(mesh.types), 1))
-    bad = view.outer_faces(mesh, (classes(mesh, scale) >= look.bad) | mesh.is_inverted)
-    bad = view.visible(mesh, bad, look.eye, pixels, frame.size)
-    return "\n".join([f'<g>{drawn_faces(mesh, back, grey, places, look, PALEST)}</g>', drawn_lines(edge, places, "line faint"),
-                      f'<g class="mesh">{drawn_faces(mesh, bad, rgb, places, look)}</g>',
-                      drawn_lines(edge, places, "line faint")])
+    def content(self, is_kept):
+        return self.bad_alone() if self.look.bad else self.kept(is_kept)
+
+    def kept(self, is_kept):
+        """The elements of a mask [m]."""
+        faces = view.outer_faces(self.mesh, is_kept)
+        if self.look.eye is not view.FLAT:
+            faces = self.visible(faces)
+            lines = view.borders(self.mesh, faces) if self.look.has_borders else []
+        else:
+            faces = view.chosen(faces, np.lexsort((*self.rgb[faces.elements].T, self.mesh.is_inverted[faces.elements])))
+            lines = view.rims(faces)
+        return f'<g class="mesh">{self.faces(faces, self.rgb)}</g>\n{self.lines(lines)}'
+
+    def bad_alone(self):
+        """The bad elements in the outline of the mesh."""
+        shell = view.outer_faces(self.mesh, np.ones(len(self.mesh.types), bool))
+        is_back = view.normals(self.mesh, shell) @ self.look.eye.towards < 0
+        back = self.visible(view.chosen(shell, is_back))
+        bad = self.visible(view.outer_faces(self.mesh, self.is_bad))
+        outline = self.lines(view.creases(self.mesh, shell), "line faint")
+        pale = np.tile(SHELL, (len(self.mesh.types), 1))
+        return (f'<g>{self.faces(back, pale, PALEST)}</g>\n{outline}\n'
+                f'<g class="mesh">{self.faces(bad, self.rgb)}</g>\n{outline}')
+
+    def visible(self, faces):
+        return view.visible(faces, self.pixels, self.frame.size)
+
+    def faces(self, faces, rgb, darkest=view.DARKEST):
+        """Faces in their order, shaded in space."""
+        fills = rgb[faces.elements]
+        if self.look.eye is not view.FLAT:
+            shades = view.shades(self.mesh, faces, self.look.eye, darkest)
+            fills = np.round(fills * shades[:, None]).astype(int)
+        return runs(fills, [path_of(*face, self.places) for face in zip(faces.corners, faces.mids)])
+
+    def lines(self, edges, kind="line"):
+        path = "".join(line_of(*edge, self.places) for edge in edges)
+        return f'<path class="{kind}" d="{path}"/>' if path else ""
 
 
 def legend(scale, look, has_inverted, y):
@@ -187,11 +191,11 @@ def legend(scale, look, has_inverted, y):
         kinds.append((KEPT, "layers"))
     if has_inverted:
         kinds.append((INVERTED, "inverted"))
-    x, found = 0, [f'<text x="0" y="{y + 14}">{html.escape(scale.measure)}</text>']
+    found = [f'<text x="0" y="{y + 14}">{html.escape(scale.measure)}</text>']
     x = 9.2 * len(scale.measure) + 14
     for colour, label in kinds:
         found.append(f'<rect x="{x:.0f}" y="{y}" width="17" height="17" stroke="#888" '
-                     f'fill="#{colour[0]:02x}{colour[1]:02x}{colour[2]:02x}"/>'
+                     f'fill="{in_hex(colour)}"/>'
                      f'<text x="{x + 23:.0f}" y="{y + 14}">{html.escape(label)}</text>')
         x += 23 + 9 * len(label) + 16
     return "\n".join(found)
@@ -229,7 +233,7 @@ def picture(states, scale, look, box=None):
         found.append(titled(texts, x))
         found.append(f'<svg x="{x:.0f}" y="{top}" width="{width:.0f}" height="{frame.size[1]}" '
                      f'viewBox="0 0 {width * UNITS:.0f} {frame.size[1] * UNITS}">\n'
-                     f'{content(mesh, scale, look, frame, is_kept)}\n</svg>')
+                     f'{Drawing(mesh, scale, look, frame).content(is_kept)}\n</svg>')
     has_inverted = any(mesh.is_inverted.any() for _, mesh in states)
     found.append(legend(scale, look, has_inverted, top + frame.size[1] + 16))
     return document(top + frame.size[1] + FOOT, "\n".join(found))

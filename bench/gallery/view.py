@@ -13,9 +13,9 @@ SHADES = 8                              # of a colour
 DARKEST = 0.72
 
 MIDS_OF_TETRAHEDRON = {(0, 1): 4, (1, 2): 5, (0, 2): 6, (0, 3): 7, (1, 3): 8, (2, 3): 9}
-FACES = {5: ((0, 1, 2),), 9: ((0, 1, 2, 3),), 24: cells.KINDS["tet"].faces,
+TETRAHEDRON10 = 24
+FACES = {5: ((0, 1, 2),), 9: ((0, 1, 2, 3),), TETRAHEDRON10: cells.KINDS["tet"].faces,
          **{cells.KINDS[name].vtk: cells.KINDS[name].faces for name in ("tet", "hex", "wedge", "pyramid")}}
-IS_QUADRATIC = {24}
 
 # points [n][3]; types [m] are VTK's numbers; nodes: of each element; values and is_inverted [m]; regions [m] or None
 Mesh = namedtuple("Mesh", "points types nodes values is_inverted regions")
@@ -41,14 +41,16 @@ def in_picture(camera, points):
 
 
 def faces_of_element(kind, nodes):
-    """Corners and mids of the faces of elements [k][nodes] of VTK's type: [k faces][4] each."""
+    """Corners and mids of the faces of elements [k][nodes] of VTK's type: [faces k][4]; and how many faces."""
     corners, mids = [], []
     for face in FACES[kind]:
-        fill = [-1] * (4 - len(face))
-        around = [tuple(sorted((face[j], face[(j + 1) % len(face)]))) for j in range(len(face))]
-        corners.append(np.column_stack([nodes[:, face], *[np.full(len(nodes), -1)] * len(fill)]))
-        found = nodes[:, [MIDS_OF_TETRAHEDRON[edge] for edge in around]] if kind in IS_QUADRATIC else None
-        mids.append(np.full((len(nodes), 4), -1) if found is None else np.column_stack([found, np.full(len(nodes), -1)]))
+        found = np.full((2, len(nodes), 4), -1)
+        found[0, :, :len(face)] = nodes[:, face]
+        if kind == TETRAHEDRON10:
+            around = [tuple(sorted((face[j], face[(j + 1) % 3]))) for j in range(3)]
+            found[1, :, :3] = nodes[:, [MIDS_OF_TETRAHEDRON[edge] for edge in around]]
+        corners.append(found[0])
+        mids.append(found[1])
     return np.concatenate(corners), np.concatenate(mids), len(corners)
 
 
@@ -130,7 +132,7 @@ def chosen(faces, which):
     return Faces(faces.corners[which], faces.mids[which], faces.elements[which])
 
 
-def visible(mesh, faces, camera, places, size):
+def visible(faces, places, size):
     """The faces that are seen, the farthest first; places [n][3]: of points in pixels, and their depth."""
     outlines = [outline(*face, places) for face in zip(faces.corners, faces.mids)]
     depths = np.array([around[:, 2].mean() for around in outlines])

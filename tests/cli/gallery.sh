@@ -22,7 +22,7 @@ found=$(check_gallery "$source_folder/docs/gallery.md")
 [ -z "$found" ] || fail "docs/gallery.md: $found"
 [ "$(grep -c '^    planish smooth ' "$source_folder/docs/gallery.md")" -ge 10 ] || fail "there are fewer than ten commands"
 [ "$(grep -c '^!\[' "$source_folder/docs/gallery.md")" -eq 10 ] || fail "there are not ten pictures"
-printf '![](pictures/none.svg)\n    gmsh -3 bench/none.geo\n    planish smooth a b --none\n' >wrong.md
+printf '![](pictures/none.svg)\n    gmsh -3 bench/none\n    planish smooth a b --none\n' >wrong.md
 [ "$(check_gallery wrong.md | wc -l)" -eq 3 ] || fail "mistakes were not found: $(check_gallery wrong.md)"
 
 pictures=$(grep -o '](docs/pictures/[^)]*)' "$source_folder/README.md" | sed 's/](\(.*\))/\1/')
