@@ -25,7 +25,7 @@ TEMPLATE = """<!-- bench/gallery/run makes this page: change bench/gallery/scene
 # Gallery
 
 `bench/gallery/run` makes these pictures and measures their figures by the commands shown. Both halves of a picture have
-the same view and the same colours.
+the same view and colours.
 """
 
 

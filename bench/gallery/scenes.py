@@ -77,7 +77,7 @@ planish smooth bracket.msh best.msh --best""",
 planish smooth tangled.vtk untangled.vtk""",
         ("tangled.vtk", "untangled.vtk"), lambda r: halves(r[0], jacobians),
         lambda r: f"A bar of {r[0]['mesh']['elements']} hexahedra was bent, and the nodes inside stayed behind. The upper "
-                  f"half is cut off. planish repairs all {r[0]['before']['inverted']} inverted elements, and the boundary stays.",
+                  f"half is cut off. planish repairs all {r[0]['before']['inverted']} inverted elements.",
         falling("scaled Jacobian", 0.8, 0.6, 0.4, 0.2), Look(view.camera(-60, 35), lambda x: x[:, 2] < 5),
         "scaled_jacobian"),
     "quadratic": Scene(
