@@ -27,8 +27,9 @@ myst_heading_anchors = 6
 suppress_warnings = ["myst.header"]  # tables have smaller headings than the level would ask for
 
 # Only the words of the package are needed, no library.
-autodoc_mock_imports = ["planish._library", "gmsh", "vtk", "vtkmodules", "paraview"]
+autodoc_mock_imports = ["planish._library", "gmsh"]
 autodoc_member_order = "bysource"
+autodoc_preserve_defaults = True
 autodoc_typehints = "description"
 autodoc_typehints_description_target = "documented"
 napoleon_numpy_docstring = False
@@ -67,7 +68,8 @@ def mark_up_docstring(_app: Sphinx, what: str, _name: str, _object: object, _opt
     elif lines and lines[0].startswith("Alias for field number"):
         lines.clear()
     else:
-        lines[:] = map(linked, lines)
+        # Napoleon would take what stands before a colon in the first line of a property for its type.
+        lines[:] = [*([""] if what == "property" else []), *map(linked, lines)]
 
 
 def link_names(app: Sphinx, document: nodes.document) -> None:
@@ -83,5 +85,5 @@ def setup(app: Sphinx) -> None:
     """Tell Sphinx of headers, contents and names."""
     app.add_source_parser(HeaderParser)
     app.connect("source-read", add_contents)
-    app.connect("autodoc-process-docstring", mark_up_docstring)
+    app.connect("autodoc-process-docstring", mark_up_docstring, priority=400)  # before Napoleon
     app.connect("doctree-read", link_names)

@@ -1,0 +1,37 @@
+#!/usr/bin/env bash
+# The site is built without a warning, its links lead somewhere, and in a browser, from files and without a network, its
+# pages are complete: what search finds, nothing that is wider than a telephone, and no complaint on the console.
+set -u
+docs=$(cd "$(dirname "$0")" && pwd)
+/usr/bin/python3 -c 'import sphinx, myst_parser, furo, numpy' 2>/dev/null ||
+    { echo "without python3-sphinx, python3-myst-parser, furo or numpy"; exit 77; }
+browser=$(command -v chromium || command -v chromium-browser || command -v google-chrome)
+[ -n "$browser" ] || { echo "no chromium here"; exit 77; }
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+"$docs/../../tools/site" "$work/site" || exit 1
+python3 "$docs/links.py" "$work/site" || exit 1
+
+for name in $(sed -n '/^__all__/,$s/"\(\w*\)",*\]*/\1/gp' "$docs/../../tools/python/planish/__init__.py" | sed 's/__all__ = \[//'); do
+    grep -q "id=\"\(module-\)*planish.$name\"" "$work/site/docs/site/python-reference.html" ||
+        { echo "planish.$name is not in docs/site/python-reference.rst"; exit 1; }
+done
+find "$work/site" -name '*.html' -exec sed -i \
+    's|</body>|<script>onload = () => document.body.dataset.width = document.documentElement.scrollWidth</script></body>|' {} +
+
+# look PAGE TEXT: open it as on a telephone, where it has TEXT.
+look() {
+    timeout 120 "$browser" --headless=new --no-sandbox --user-data-dir="$work/profile" --enable-logging=stderr \
+        --host-resolver-rules="MAP * ~NOTFOUND" --hide-scrollbars --window-size=390,900 --virtual-time-budget=10000 \
+        --dump-dom "file://$work/site/$1" >"$work/dom" 2>"$work/log"
+    ! grep CONSOLE "$work/log" || { echo "$1: the console says that"; exit 1; }
+    grep -q 'data-width="390"' "$work/dom" || { echo "$1 is too wide: $(grep -o 'data-width="[0-9]*"' "$work/dom")"; exit 1; }
+    grep -qF -e "$2" "$work/dom" || { echo "$1: '$2' is missing"; exit 1; }
+}
+
+look index.html docs/tutorial.html
+look docs/performance.html 'id="threads"'
+look include/planish/planish.html 'id="c.planish_options.max_sweeps"'
+look docs/site/python-reference.html 'id="planish.Plan.smooth"'
+look 'search.html?q=hexahedra' '>Elements of every type</a>'
+look 'search.html?q=planish_find_layers' 'planish.html#c.planish_find_layers'
