@@ -2,6 +2,7 @@
 import pathlib
 import re
 import sys
+import unittest.mock
 
 from docutils import nodes
 from sphinx import addnodes
@@ -26,8 +27,10 @@ highlight_language = "none"
 myst_heading_anchors = 6
 suppress_warnings = ["myst.header"]  # tables have smaller headings than the level would ask for
 
-# Only the words of the package are needed, no library.
-autodoc_mock_imports = ["planish._library", "gmsh"]
+# Of the package only the words are needed: no library, and no Gmsh.
+with unittest.mock.patch("ctypes.CDLL"):
+    import planish  # noqa: E402, F401
+autodoc_mock_imports = ["gmsh"]
 autodoc_member_order = "bysource"
 autodoc_preserve_defaults = True
 autodoc_typehints = "description"
@@ -37,7 +40,6 @@ napoleon_numpy_docstring = False
 html_theme = "furo"
 html_title = f"planish {version}"
 html_static_path = ["static"]
-html_css_files = ["site.css"]
 html_js_files = [("site.js", {"priority": 900})]
 html_copy_source = False
 html_show_sphinx = False

@@ -71,11 +71,17 @@ def inside(kind, body):
     return lines
 
 
+def functions(header, start):
+    """Return a line of links to the functions from start to the next section."""
+    section = header[start:].partition("/* ----")[0]
+    return ", ".join(f":c:func:`{name}`" for name in re.findall(r"^PLANISH_API [^(;]*?(\w+)\(", section, re.M))
+
+
 def item(match):
     """Return the lines of a section's heading, or of a declaration."""
     section, text, kind, name, body, macro, value, is_type, declaration = match.groups()
     if section:
-        return [section, "=" * len(section), ""]
+        return [section, "=" * len(section), "", functions(match.string, match.end()), ""]
     if kind:
         return directive(kind, [name], text, inside(kind, body))
     if macro:
@@ -89,8 +95,9 @@ def item(match):
 def reference(header):
     """Return the text of the reference of a header."""
     intro, name = re.match(r"/\* ((\w+): .*?)\s*(?=\*/|\* Sections:)", header, re.S).groups()
-    lines = [name + ".h", "#" * len(name + ".h"), *paragraphs(intro), ""]
-    for match in ITEM.finditer(header, header.index('extern "C"')):
+    start = header.index('extern "C"')
+    lines = [name + ".h", "#" * len(name + ".h"), *paragraphs(intro), "", functions(header, start), ""]
+    for match in ITEM.finditer(header, start):
         lines += item(match)
     return "\n".join(lines)
 

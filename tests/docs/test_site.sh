@@ -12,10 +12,23 @@ trap 'rm -rf "$work"' EXIT
 "$docs/../../tools/site" "$work/site" || exit 1
 python3 "$docs/links.py" "$work/site" || exit 1
 
-for name in $(sed -n '/^__all__/,$s/"\(\w*\)",*\]*/\1/gp' "$docs/../../tools/python/planish/__init__.py" | sed 's/__all__ = \[//'); do
-    grep -q "id=\"\(module-\)*planish.$name\"" "$work/site/docs/site/python-reference.html" ||
-        { echo "planish.$name is not in docs/site/python-reference.rst"; exit 1; }
+# has PAGE PREFIX NAME...: the reference on PAGE has all of these.
+has() {
+    local page=$work/site/$1.html prefix=$2 name
+    shift 2
+    [ $# -gt 10 ] || { echo "$page: only $# names are looked for: the pattern is wrong"; exit 1; }
+    for name; do
+        grep -q "id=\"$prefix$name\"" "$page" || { echo "$page has no $name"; exit 1; }
+    done
+}
+cd "$docs/../.." || exit 1
+for header in include/planish/planish include/planish/planish_io; do
+    # shellcheck disable=SC2046 # names
+    has "$header" c. $(sed -n -E 's/^PLANISH_API [^(;]*\b(\w+)\(.*/\1/p; s/^typedef (struct|enum) (\w+).*/\2/p' "$header.h")
 done
+# shellcheck disable=SC2046
+has docs/site/python-reference '\(module-\)*planish.' $(sed -n '/^__all__/,$p' tools/python/planish/__init__.py | grep -oE '"\w+"' | tr -d '"')
+
 find "$work/site" -name '*.html' -exec sed -i \
     's|</body>|<script>onload = () => document.body.dataset.width = document.documentElement.scrollWidth</script></body>|' {} +
 
