@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
-"""spelling.py: the words of documents, public headers, help texts and docstrings are British English (aspell), or in
-words.txt; and no text of the source has a common mistake (codespell)."""
+"""spelling.py: words of documents, public headers, help texts and docstrings are British English.
+
+They are in aspell's dictionary or in words.txt, and nothing in the source is a common mistake (codespell).
+"""
 import ast
 import pathlib
 import re
