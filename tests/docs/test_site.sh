@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The site is built without a warning, its links lead somewhere, and in a browser, from files and without a network, its
-# pages are complete: what search finds, nothing that is wider than a telephone, and no complaint on the console.
+# pages are complete: what search finds, nothing that is wider than a narrow window, and no complaint on the console.
 set -u
 here=$(cd "$(dirname "$0")" && pwd)
 /usr/bin/python3 -c 'import sphinx, myst_parser, furo, numpy' 2>/dev/null ||
@@ -30,15 +30,15 @@ done
 has docs/site/python-reference '\(module-\)*planish.' $(sed -n '/^__all__/,$p' tools/python/planish/__init__.py | grep -oE '"\w+"' | tr -d '"')
 
 find "$work/site" -name '*.html' -exec sed -i \
-    's|</body>|<script>onload = () => document.body.dataset.width = document.documentElement.scrollWidth</script></body>|' {} +
+    's|</body>|<script>onload = () => document.body.dataset.over = document.documentElement.scrollWidth - innerWidth</script></body>|' {} +
 
-# look PAGE TEXT [QUERY]: open it as on a telephone, where it has TEXT.
+# look PAGE TEXT [QUERY]: open it in the narrowest window (500 pixels), where it has TEXT.
 look() {
     timeout 120 "$browser" --headless=new --no-sandbox --user-data-dir="$work/profile" --enable-logging=stderr \
         --host-resolver-rules="MAP * ~NOTFOUND" --hide-scrollbars --window-size=390,900 --virtual-time-budget=10000 \
         --dump-dom "file://$work/site/$1.html${3-}" >"$work/dom" 2>"$work/log"
     ! grep CONSOLE "$work/log" || { echo "$1: the console says that"; exit 1; }
-    grep -q 'data-width="390"' "$work/dom" || { echo "$1 is too wide: $(grep -o 'data-width="[0-9]*"' "$work/dom")"; exit 1; }
+    grep -q 'data-over="0"' "$work/dom" || { echo "$1 is wider than the window: $(grep -o 'data-over="[^"]*"' "$work/dom")"; exit 1; }
     grep -qF -e "$2" "$work/dom" || { echo "$1: '$2' is missing"; exit 1; }
 }
 
