@@ -89,7 +89,8 @@ probe large.html solid.js drawn divider legend cut place uncut keys
 # Bins of a histogram select elements: by lists, and by dragging over its drawing.
 cat >brush.js <<'END'
     const figure = find('figure[data-measure=angle_histogram]'), counts = figure.dataset.counts.split(';');
-    const [from, to] = figure.querySelectorAll('select'), first = await picture();
+    const [from, to] = figure.querySelectorAll('select');
+    const first = await set('.worse', find('.worse').value); /* drawn as often as what is compared with it */
     const caption = () => [...document.querySelectorAll('#picture .count')].pop().textContent;
     const text = n => n.toLocaleString('en') + ' element' + (n === 1 ? '' : 's') + ', smallest angle ';
     const sum = (i, j) => counts[counts.length - 1].split(',').slice(i, j).map(Number).reduce((a, b) => a + b);

@@ -384,7 +384,8 @@ static void put_element(pl_markup *page, const cJSON *element, int has_types) {
     } else {
         pl_markup_put(page, "</th>");
     }
-    pl_markup_put(page, "<td><button type=\"button\" hidden aria-label=\"show element ");
+    pl_markup_put(page,
+                  "<td class=\"show\"><button type=\"button\" hidden aria-label=\"show element ");
     pl_markup_put_digits(page, number, ALL);
     pl_markup_put(page, "\" data-place=\"");
     put_numbers(page, element, "place", ALL, ",");
@@ -415,7 +416,7 @@ static void put_bad_elements(pl_markup *page, const cJSON *state, int has_types)
     const cJSON *list = cJSON_GetObjectItemCaseSensitive(state, "worst_elements"), *element;
     pl_markup_put(page,
                   "<div class=\"scroll\"><table><thead><tr><th scope=\"col\">element</th>"
-                  "%s<th scope=\"col\">picture</th>%s",
+                  "%s<th scope=\"col\" class=\"show\">picture</th>%s",
                   has_types ? "<th scope=\"col\" class=\"word\">type</th>" : "",
                   has_types ? "<th scope=\"col\">aspect ratio</th>"
                             : "<th scope=\"col\">radius ratio</th><th scope=\"col\">smallest "
