@@ -17,7 +17,8 @@ static const pl_cell_shape *shape_of(const pl_job *job, int64_t element) {
 
 /* ---- elements ------------------------------------------------------------------------------- */
 
-/** Number the nodes of the elements as points, in the order in which they come. point [n_nodes] is scratch. */
+/** Number the nodes of the elements as points, in the order in which they come. point [n_nodes]:
+ *  scratch. */
 static void number_points(const pl_job *job, pl_drawn_inside *inside, int32_t *point) {
     for (int64_t i = 0; i < job->mesh.n_nodes; i++)
         point[i] = -1;
