@@ -26,6 +26,14 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+static int has_mids(const planish_cells *cells) {
+    for (int64_t i = 0; cells && i < cells->n; i++)
+        if (cells->offset[i + 1] - cells->offset[i] >
+            pl_cell_corners((planish_cell_type)cells->type[i]))
+            return 1;
+    return 0;
+}
+
 /** Say that nodes with boundary conditions may move, and what holds them. */
 static void note_supported(const pl_job *job) {
     enum { MOST_NAMED = 6 };
@@ -42,8 +50,9 @@ static void note_supported(const pl_job *job) {
     }
     char *options = pl_memory_stream_close(&stream);
     pl_note(stderr,
-            "%" PRId64 " of the %" PRId64 " nodes with boundary conditions in the file may move%s",
-            job->n_supported, planish_file_get_supported(job->file, NULL), options ? options : "");
+            "%" PRId64 " of the %" PRId64 " nodes with boundary conditions in the file may move%s%s",
+            job->n_supported, planish_file_get_supported(job->file, NULL),
+            has_mids(job->mesh.cells) ? ", and mid-side nodes follow" : "", options ? options : "");
     free(options);
 }
 
