@@ -8,6 +8,7 @@
 #include "terminal/signals.h"
 #include "terminal/text.h"
 
+#include "base/nearer.h"
 #include "base/system.h"
 
 #include <stdio.h>
@@ -18,7 +19,7 @@ static const char *with(planish_feature feature) {
 }
 
 static int print_version(void) {
-    printf("planish %s\nSmooths meshes of tetrahedra and triangles.\nBSD 3-clause licence; there "
+    printf("planish %s\nSmooths meshes of solids, of plane elements and of surfaces.\nBSD 3-clause licence; there "
            "is no warranty.\nBuilt %s OpenMP, %s hwloc, %s kernels for AVX2 and AVX-512.\n",
            planish_version(), with(PLANISH_FEATURE_OPENMP), with(PLANISH_FEATURE_HWLOC),
            with(PLANISH_FEATURE_X86_KERNELS));
@@ -35,7 +36,7 @@ static int complain_command(const char *word) {
         return pl_complain_usage(NULL, "unexpected option '%s'; name a command first: %s", word,
                                  names);
     for (int i = 0; (command = pl_command_at(i)); i++)
-        nearest = pl_text_nearer(word, nearest, command->name);
+        nearest = pl_nearer(word, nearest, command->name);
     if (nearest)
         return pl_complain_usage(NULL, "unknown command '%s'; did you mean %s?", word, nearest);
     return pl_complain_usage(NULL, "unknown command '%s'; it must be %s", word, names);

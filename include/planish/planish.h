@@ -7,10 +7,11 @@
  * the same time (one plan serves one thread at a time).
  *
  * Error convention: functions return 0 on success and a negative planish_status on failure; then
- * *error (may be NULL) says what and where, and outputs are untouched unless stated otherwise.
+ * *error (may be NULL) says what and where, and outputs are untouched unless stated otherwise. Success
+ * leaves *error as it was: look at the status first.
  *
  * Conventions:
- * - Node and element indices start at 0. dim is 2 (triangles) or 3 (tetrahedra).
+ * - Node and element indices start at 0.
  * - Floating-point environment: the library computes in round-to-nearest, with subnormals and
  *   without traps. Each thread has its own environment again, flags included, when the call or task
  *   returns. Callbacks run in the library's environment and must keep it. They must return: no
@@ -20,7 +21,8 @@
  *   have a common prefix: PLANISH_ROLE_OWN is a planish_role. "Infeasible" means proved impossible,
  *   "given up" means left out of the energy of untangling.
  * - Structures are to be zeroed before they are filled in ({0}, or designated initialisers; options
- *   by planish_options_init). Their sizes do not change: later versions use what is reserved.
+ *   by planish_options_init). All versions with one soname (0.2.x; from 1.0 on all of 1) have the
+ *   same sizes: later ones use what is reserved.
  *   planish_options begins with its size besides, so that options which were not initialised, or
  *   which another header describes, are refused.
  * - "Radius ratio" (RR) is the normalised one: R/(3r) of a tetrahedron, R/(2r) of a triangle, R the
@@ -65,6 +67,10 @@ extern "C" {
 #endif
 
 #define PLANISH_VERSION "0.2.0"
+/* The same as numbers, for #if. */
+#define PLANISH_VERSION_MAJOR 0
+#define PLANISH_VERSION_MINOR 2
+#define PLANISH_VERSION_PATCH 0
 
 /** Version of the library that is linked, "MAJOR.MINOR.PATCH"; static text. */
 PLANISH_API const char *planish_version(void);
@@ -156,7 +162,7 @@ typedef struct planish_cells {
 
 /** A view of the caller's mesh; nothing in it is owned by the library. */
 typedef struct planish_mesh {
-    int dim;                   /* 2: triangles in the plane, 3: tetrahedra */
+    int dim;                   /* 2: elements in the plane, 3: solids, and surfaces in space */
     int64_t n_nodes;           /* at most INT32_MAX */
     int64_t n_elements;        /* at most INT32_MAX */
     const double *coordinates; /* [n_nodes][dim], finite */
@@ -542,7 +548,7 @@ typedef enum planish_objective {
 } planish_objective;
 
 /** Quantity that a last phase improves after the objective has converged: the worst value in the
- *  mesh. */
+ *  mesh. planish_smooth, not planish_plan_create, checks that the elements have that measure. */
 typedef enum planish_worst {
     PLANISH_WORST_NONE = 0,           /* no such phase */
     PLANISH_WORST_RADIUS_RATIO = 1,   /* the largest radius ratios */
@@ -715,12 +721,12 @@ typedef struct planish_options {
                                visit only stars with such an element. In planish_plan_create:
                                only nodes that have one there can move, so that the plan is
                                as cheap as they are few; sweeps end a little earlier then */
-    int rings;              /* and nodes of so many rings of neighbouring elements; for plans made
-                               with only_worse_than or around, 0 .. 100. With only_worse_than,
+    int rings;              /* and nodes of so many rings of neighbouring elements, 0 .. 100; 0
+                               without only_worse_than and around. With only_worse_than,
                                elements that are not positive have 4 rings at least */
     /* In planish_plan_create: only these nodes can move, and those of rings rings of elements
        around them. The plan knows nothing of the rest of the mesh; see there. */
-    int64_t n_around;               /* at least 1 if there are any */
+    int64_t n_around;               /* at least 1 with around, 0 without */
     const int64_t *around;          /* [n_around] nodes, in any order; NULL: all nodes */
     const int64_t *around_elements; /* [n_around] an element of each; NULL: they are looked for */
     planish_progress_fn *progress;  /* or NULL */

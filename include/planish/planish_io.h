@@ -10,6 +10,7 @@
  *     groups                                        tags of what may be held, slide, have volumes
  *     constraints, get_held, get_marked, surface    held nodes, the reasons, where nodes slide
  *     min_volumes, get_parametric                   minimum volumes of groups; nodes on curves
+ *     get_supported, supported_groups, included     boundary conditions; included files
  *     element_number, node_number, element_region   how the file calls an element or node
  *     can_write, check_output, write                write the file with the new coordinates
  *     can_convert, convert, target                  write the mesh in another format
@@ -243,7 +244,8 @@ PLANISH_API void planish_data_free(planish_data *data);
 typedef struct planish_group {
     const char *tag; /* of planish_hold: its name, or "DIM:N" where it has none; the file owns it */
     int dim;         /* of its elements: 3 solids, 2 faces, 1 lines, 0 nodes */
-    const void *reserved[2];
+    int64_t n;       /* number of these elements or nodes */
+    const void *reserved[1];
 } planish_group;
 
 /** List the groups of the file: *groups [*n], which the file owns, those with names first, then those
@@ -294,6 +296,18 @@ PLANISH_API int planish_file_get_held(const planish_file *file, const planish_ho
  *  or 1. Return the number of these nodes. Mesquite wants all nodes of the boundary named there, so
  *  that the array may say no more than where the boundary is. */
 PLANISH_API int64_t planish_file_get_marked(const planish_file *file, uint8_t *marked);
+
+/** Find the nodes that a boundary condition of the file names (Abaqus' *BOUNDARY), which holds none: supported
+ *  [n_nodes] (may be NULL) is filled with 0 or 1. Return the number of these nodes. */
+PLANISH_API int64_t planish_file_get_supported(const planish_file *file, uint8_t *supported);
+
+/** Names of the sets that these boundary conditions name, as tags of planish_hold, NULL at the end; the file
+ *  owns them. Nodes may be named one by one besides. */
+PLANISH_API const char *const *planish_file_supported_groups(const planish_file *file);
+
+/** Names of the files that the file includes (Abaqus, Nastran), as it writes them, NULL at the end; the file
+ *  owns them. planish_file_write does not copy them. */
+PLANISH_API const char *const *planish_file_included(const planish_file *file);
 
 /** Return the file's surface for planish_find_slides: regions, facets (triangles and quadrilaterals
  *  beside solids; 2-D: lines) and lines (of a surface in space lines alone), by their corners, with their groups as tags, and a

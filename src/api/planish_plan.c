@@ -54,9 +54,23 @@ static int check_shape(const planish_mesh *mesh, const planish_options *options,
     return PLANISH_OK;
 }
 
+/** Check the options that say which nodes the plan is for. */
+static int check_neighbourhood(const planish_options *options, planish_error *error) {
+    if (options->n_around != 0 && !options->around)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "options.n_around is %" PRId64 ", but options.around is NULL; give the nodes",
+                       options->n_around);
+    if (options->rings > 0 && !options->around && options->only_worse_than == 0)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "options.rings has no effect without options.around or only_worse_than");
+    return PLANISH_OK;
+}
+
 static int create_plan(const planish_mesh *mesh, const planish_options *options, planish_plan **out,
                        planish_error *error) {
     int status = pl_options_check(options, error);
+    if (!status)
+        status = check_neighbourhood(options, error);
     if (status)
         return status;
     if (!pl_star_kernel_select(options->isa))

@@ -1,5 +1,7 @@
 /* cells: the lowest element that is wrong is found on all threads; then it is told what is wrong. */
 #include "topology/cells.h"
+#include "topology/no_node.h"
+
 #include "base/parallel.h"
 #include "base/status.h"
 #include "geometry/cell.h"
@@ -66,8 +68,8 @@ static int check_cell(const planish_cells *cells, int64_t n_nodes, int64_t eleme
         if (node[i] < 0 || node[i] >= n_nodes)
             return pl_fail_at(error, PLANISH_ERROR_MESH, element, node[i],
                               "element %" PRId64 " has node %" PRId32 ", but the mesh has the "
-                              "nodes 0 to %" PRId64 "; correct the element",
-                              element, node[i], n_nodes - 1);
+                              "nodes 0 to %" PRId64 "; correct the element%s",
+                              element, node[i], n_nodes - 1, pl_no_node_hint(node[i], n_nodes));
         for (int j = 0; is_simplex(of) && j < i; j++)
             if (node[i] == node[j])
                 return pl_fail_at(error, PLANISH_ERROR_MESH, element, node[i],

@@ -1,6 +1,7 @@
 /* validate: is this a mesh? Everything behind it relies on what is checked here, and on 32 bits and
  * coordinates without gaps: where the caller has others, on a copy. */
 #include "topology/cells.h"
+#include "topology/no_node.h"
 #include "topology/points.h"
 #include "topology/topology.h"
 
@@ -77,8 +78,9 @@ int pl_check_element(const planish_mesh *mesh, int64_t element, planish_error *e
         if (node[i] < 0 || node[i] >= mesh->n_nodes)
             return pl_fail_at(error, PLANISH_ERROR_MESH, element, node[i],
                               "element %" PRId64 " has node %" PRId64 ", but the mesh has the "
-                              "nodes 0 to %" PRId64 "; correct the element",
-                              element, node[i], mesh->n_nodes - 1);
+                              "nodes 0 to %" PRId64 "; correct the element%s",
+                              element, node[i], mesh->n_nodes - 1,
+                              pl_no_node_hint(node[i], mesh->n_nodes));
         for (int j = 0; j < i; j++)
             if (node[i] == node[j])
                 return pl_fail_at(error, PLANISH_ERROR_MESH, element, node[i],

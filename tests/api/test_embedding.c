@@ -514,7 +514,11 @@ static void a_log_tells_what_is_done(void **state) {
 
 static void features_are_told(void **state) {
     (void)state;
+    char numbers[32];
+    snprintf(numbers, sizeof numbers, "%d.%d.%d", PLANISH_VERSION_MAJOR, PLANISH_VERSION_MINOR,
+             PLANISH_VERSION_PATCH);
     assert_string_equal(planish_version(), PLANISH_VERSION);
+    assert_string_equal(planish_version(), numbers);
 #ifdef _OPENMP
     assert_int_equal(planish_has_feature(PLANISH_FEATURE_OPENMP), 1);
 #endif

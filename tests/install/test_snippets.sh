@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The code in README.md and documents: each piece in C is compiled as it stands, those with a main and
-# those in Python are run.
+# The code in README.md and documents: each piece in C and C++ is compiled as it stands, those with a main
+# and those in Python are run.
 set -u
 source_dir=${PLANISH_SOURCE:?}
 build=${PLANISH_BUILD:?}
@@ -12,21 +12,24 @@ fail() {
 }
 
 awk -v folder="$work" '
-    /^```(c|python)$/ { n++; name = sprintf("%s/%02d.%s", folder, n, $0 == "```c" ? "c" : "py"); next }
+    /^```(c|cpp|python)$/ { n++; kind = substr($0, 4); sub("python", "py", kind)
+        name = sprintf("%s/%02d.%s", folder, n, kind); next }
     /^```/ { name = "" }
     name { print > name }' "$source_dir/README.md" "$source_dir"/docs/{embedding,python,targets}.md
 ran=0
-for piece in "$work"/*.c; do
-    cc -std=c11 -Wall -Wextra -Werror -I"$source_dir/include" -c "$piece" -o "$piece.o" ||
+for piece in "$work"/*.c "$work"/*.cpp; do
+    compile=(cc -std=c11)
+    [ "${piece##*.}" = c ] || compile=(c++ -std=c++11)
+    "${compile[@]}" -Wall -Wextra -Werror -I"$source_dir/include" -c "$piece" -o "$piece.o" ||
         fail "$(basename "$piece"): $(head -n 3 "$piece")"
     grep -q '^int main' "$piece" || continue
-    cc "$piece.o" -o "$piece.run" -L"$build" -lplanish -Wl,-rpath,"$build" || fail "$piece"
+    "${compile[0]}" "$piece.o" -o "$piece.run" -L"$build" -lplanish -Wl,-rpath,"$build" || fail "$piece"
     "$piece.run" >"$work/out" 2>&1 || fail "$(cat "$work/out")"
     # What it prints is in the text.
     grep -qF "    $(cat "$work/out")" "$source_dir/docs/embedding.md" || fail "it prints $(cat "$work/out")"
     ran=$((ran + 1))
 done
-[ "$(find "$work" -name '*.c' | wc -l)" -ge 7 ] && [ $ran -ge 1 ] || fail "the code was not found"
+[ "$(find "$work" -name '*.c' | wc -l)" -ge 7 ] && [ $ran -ge 2 ] || fail "the code was not found"
 if /usr/bin/python3 -c 'import numpy' 2>/dev/null; then
     cd "$work" || fail "$work"
     cp "$source_dir/docs/examples/bracket.msh" .
@@ -36,4 +39,4 @@ if /usr/bin/python3 -c 'import numpy' 2>/dev/null; then
     done
     cmp -s out.msh bracket.msh && fail "docs/python.md smooths nothing"
 fi
-echo "$(find "$work" -name '*.c' -o -name '*.py' | wc -l) pieces"
+echo "$(find "$work" -name '*.c' -o -name '*.cpp' -o -name '*.py' | wc -l) pieces"

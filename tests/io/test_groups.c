@@ -15,7 +15,7 @@
 
 #include <cmocka.h>
 
-/** List the groups of file, "DIM TAG|" for each, as text [size]. */
+/** List the groups of file, "DIM TAG (N)|" for each, as text [size]. */
 static void list(planish_file *file, char *text, size_t size) {
     const planish_group *group;
     planish_error error;
@@ -24,7 +24,8 @@ static void list(planish_file *file, char *text, size_t size) {
     text[0] = '\0';
     assert_int_equal(planish_file_groups(file, &group, &n, &error), 0);
     for (int64_t i = 0; i < n && used < size; i++)
-        used += (size_t)snprintf(text + used, size - used, "%d %s|", group[i].dim, group[i].tag);
+        used += (size_t)snprintf(text + used, size - used, "%d %s (%d)|", group[i].dim,
+                                 group[i].tag, (int)group[i].n);
 }
 
 static void check(const io_format *format, const char *text, const char *expected) {
@@ -46,15 +47,15 @@ static void names_come_first(void **state) {
           "$PhysicalNames\n2\n3 1 \"left half\"\n2 9 \"wall\"\n$EndPhysicalNames\n" NODES
           "$Elements\n4\n1 2 2 9 5 1 2 3\n2 4 2 1 6 1 2 3 4\n3 4 2 -2 17 1 2 3 4\n"
           "4 2 2 0 7 1 2 4\n$EndElements\n",
-          "3 left half|2 wall|2 2:7|3 3:-2|");
+          "3 left half (1)|2 wall (1)|2 2:7 (1)|3 3:-2 (1)|");
     check(&io_format_medit,
           "MeshVersionFormatted 2 Dimension 3 Vertices 5 0 0 0 3 1 0 0 1 0 1 0 2 0 0 1 2 1 1 1.5 3 "
           "Tetrahedra 2 1 2 3 4 7 2 3 4 5 0 Triangles 2 1 2 3 4 1 2 4 4 End",
-          "0 0:1|0 0:2|0 0:3|2 2:4|3 3:0|3 3:7|");
+          "0 0:1 (1)|0 0:2 (2)|0 0:3 (2)|2 2:4 (2)|3 3:0 (1)|3 3:7 (1)|");
     check(&io_format_abaqus,
           "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*ELEMENT,TYPE=C3D4,ELSET=part\n1,1,2,3,4\n"
           "*NSET,NSET=\"fixed end\"\n1,2\n",
-          "3 part|0 fixed end|");
+          "3 part (1)|0 fixed end (2)|");
     check(&io_format_off, "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "");
 }
 

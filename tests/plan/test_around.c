@@ -518,6 +518,12 @@ static void wrong_arguments_are_named(void **state) {
     options = around;
     options.n_around = 0;
     expect_refusal(&walk, &options, PLANISH_ERROR_ARGUMENT, "n_around is 0");
+    options.around = NULL;
+    options.n_around = 2;
+    expect_refusal(&walk, &options, PLANISH_ERROR_ARGUMENT, "options.around is NULL");
+    options.n_around = 0;
+    options.rings = 1;
+    expect_refusal(&walk, &options, PLANISH_ERROR_ARGUMENT, "options.rings has no effect");
     options = around;
     options.only_worse_than = 2;
     expect_refusal(&walk, &options, PLANISH_ERROR_ARGUMENT, "only_worse_than");
@@ -557,9 +563,8 @@ static void wrong_arguments_are_named(void **state) {
         const int64_t k = 4 * elements[0] + (wide[4 * elements[0]] == nodes[0]), was = wide[k];
         wide[k] = which ? INT64_C(1) << 40 : -3;
         expect_refusal(&mesh, &options, PLANISH_ERROR_MESH, which ? "1099511627776" : "-3");
-        options.around = NULL;
-        expect_refusal(&mesh, &options, PLANISH_ERROR_MESH, which ? "1099511627776" : "-3");
-        options.around = nodes;
+        planish_options of_all = test_options(2);
+        expect_refusal(&mesh, &of_all, PLANISH_ERROR_MESH, which ? "1099511627776" : "-3");
         wide[k] = was;
     }
 
@@ -646,7 +651,7 @@ static void memory_may_run_out(void **state) {
     for (int which = 0; which < 3; which++) {
         int failures = 0, status = PLANISH_ERROR_MEMORY;
         options.around_elements = which ? NULL : elements;
-        options.around = which == 2 ? NULL : options.around;
+        options = which == 2 ? test_options(2) : options;
         mesh.elements = which ? NULL : box.mesh.elements;
         mesh.elements64 = which ? wide : NULL;
         mesh.node_stride = which == 2 ? 1 : 0;

@@ -101,6 +101,7 @@ static void names_the_lowest_element(void **state) {
     expect(&box.mesh, PLANISH_ERROR_MESH, last, -7, "has node -7");
     box.elements[4 * 30000 + 1] = (int32_t)box.mesh.n_nodes;
     expect(&box.mesh, PLANISH_ERROR_MESH, 30000, box.mesh.n_nodes, "the nodes 0 to 9260");
+    expect(&box.mesh, PLANISH_ERROR_MESH, 30000, box.mesh.n_nodes, "are nodes counted from 1?");
     int32_t node = box.elements[4 * 20000];
     box.elements[4 * 20000 + 3] = node;
     expect(&box.mesh, PLANISH_ERROR_MESH, 20000, node, "twice");

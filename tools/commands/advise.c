@@ -28,6 +28,8 @@ typedef struct way {
     int64_t inverted;
     double worst, least, rms; /* ratio; angle or scaled Jacobian; ratio */
     double seconds;
+    int64_t n_supported; /* nodes with boundary conditions that may move */
+    int has_sets;        /* the file has sets of nodes */
 } way;
 
 /* No way is tried longer: it is an advice. */
@@ -63,6 +65,19 @@ static void take_figures(way *w, const pl_job *job, const planish_quality *quali
     w->rms = job->has_types ? all->rms_aspect_ratio : quality->rms_radius_ratio;
 }
 
+/** Whether the file has sets of nodes, which loads and supports are often of. */
+static int has_node_sets(const pl_job *job) {
+    const planish_group *group;
+    planish_error error;
+    int64_t n;
+    if (!job->file || planish_file_groups(job->file, &group, &n, &error))
+        return 0;
+    for (int64_t i = 0; i < n; i++)
+        if (group[i].dim == 0)
+            return 1;
+    return 0;
+}
+
 /** Smooth in way w; before is filled in, too. *has_types is set as job->has_types. */
 static int try_way(const pl_arguments *arguments, way *w, way *before, int *has_types) {
     const pl_arguments of_way = arguments_of(arguments, w);
@@ -81,6 +96,8 @@ static int try_way(const pl_arguments *arguments, way *w, way *before, int *has_
         take_figures(before, &job, &result.before, &result.validity_before);
         take_figures(w, &job, &result.after, &result.validity_after);
         w->is_stopped = result.smooth.stop == PLANISH_STOP_TIME_LIMIT;
+        w->n_supported = job.n_supported;
+        w->has_sets = has_node_sets(&job);
         *has_types = job.has_types;
     }
     pl_progress_clear(&progress);
@@ -181,6 +198,21 @@ static void put_options(const pl_arguments *arguments) {
         put_option("slide-tolerance", tolerance);
 }
 
+/** Put what remains to be done after a way. */
+static void put_remarks(const pl_arguments *arguments, const way *w) {
+    if (w->inverted > 0)
+        printf("%" PRId64 " element%s inverted then.\n", w->inverted,
+               w->inverted == 1 ? " stays" : "s stay");
+    if (w->n_supported > 0)
+        printf("%" PRId64 " node%s with boundary conditions may move: ", w->n_supported,
+               w->n_supported == 1 ? "" : "s");
+    if (w->n_supported > 0 || (w->has_sets && arguments->n_fix == 0)) {
+        printf("--fix SET holds nodes (planish groups %s", arguments->input[0] == '-' ? "-- " : "");
+        pl_text_put_word(stdout, arguments->input);
+        printf(").\n");
+    }
+}
+
 /** Put what to run: the first way that no slower one is worth more than. */
 static void put_advice(const pl_arguments *arguments, const way *before, const way *ways, int n) {
     const way *best = before;
@@ -189,6 +221,7 @@ static void put_advice(const pl_arguments *arguments, const way *before, const w
             best = &ways[i];
     if (best == before) {
         printf("Smoothing would win little.\n");
+        put_remarks(arguments, before);
         return;
     }
     printf("Run: planish smooth %s", arguments->input[0] == '-' ? "./" : "");
@@ -196,6 +229,7 @@ static void put_advice(const pl_arguments *arguments, const way *before, const w
     printf(" OUT%s%s", best->options[0] ? " " : "", best->options);
     put_options(arguments);
     putchar('\n');
+    put_remarks(arguments, best);
 }
 
 /** Try all ways, and print a row for each; what minimises another objective than --like and kept layers

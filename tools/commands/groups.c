@@ -6,6 +6,7 @@
 
 #include <planish/planish_io.h>
 
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -36,7 +37,8 @@ static int mark_repeated(const planish_group *group, int64_t n, char *is_repeate
 
 static void put_group(const planish_group *group) {
     static const char *const names[] = {"nodes", "lines", "faces", "solids"};
-    printf("%-7s ", group->dim >= 0 && group->dim <= 3 ? names[group->dim] : "any");
+    printf("%-7s %9" PRId64 "  ", group->dim >= 0 && group->dim <= 3 ? names[group->dim] : "any",
+           group->n);
     pl_text_put(stdout, group->tag);
     putchar('\n');
 }

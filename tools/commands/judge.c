@@ -48,12 +48,34 @@ static void judge_holders(const pl_job *job, pl_result *result) {
                                                            : advice[i]);
 }
 
+/** Return what may help elements that the free nodes cannot. */
+static const char *next_step(const pl_job *job) {
+    const pl_arguments *arguments = job->arguments;
+    if (job->mesh.dim == 3 && !arguments->slide_curved)
+        return "try --slide curved, or mesh them again";
+    if (!arguments->slide)
+        return "try --slide auto, or mesh them again";
+    return arguments->n_fix > 0 ? "hold fewer groups, or mesh them again" : "mesh them again";
+}
+
+/** Add the inverted elements that no option holds and no place of the free nodes makes valid. */
+static void judge_unfixable(const pl_job *job, pl_result *result) {
+    const pl_unfixable *unfixable = &result->unfixable;
+    const int64_t n = unfixable->n - pl_unfixable_held(unfixable);
+    char list[PL_ELEMENTS_SIZE];
+    if (n == 0)
+        return;
+    pl_unfixable_name(job, unfixable, list);
+    const int is_hopeless = result->smooth.n_not_enclosed > 0 || job->plan_info.n_wrapped > 0;
+    add_reason(result, "%" PRId64 " of these cannot be made valid by moving free nodes (%s)%s%s", n,
+               list, is_hopeless ? "" : ": ", is_hopeless ? "" : next_step(job));
+}
+
 /** Add why inverted elements are left. */
 static void judge_inverted(const pl_job *job, pl_result *result) {
     const pl_unfixable *unfixable = &result->unfixable;
     const pl_validity *validity = &result->validity_after;
     const int64_t inverted = pl_validity_faults(validity, &result->after);
-    const int64_t n_others = unfixable->n - pl_unfixable_held(unfixable);
     const planish_method method = job->options.method;
     if (inverted == 0)
         return;
@@ -74,9 +96,7 @@ static void judge_inverted(const pl_job *job, pl_result *result) {
     else
         add_reason(result, "%" PRId64 " inverted element%s left", inverted, is_or_are(inverted));
     judge_holders(job, result);
-    if (n_others > 0)
-        add_reason(result, "%" PRId64 " of these cannot be made valid by moving free nodes",
-                   n_others);
+    judge_unfixable(job, result);
     if (validity->n_inside > 0)
         add_reason(result,
                    "%" PRId64 " of these %s inverted inside%s, though the corners are right",

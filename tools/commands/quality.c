@@ -87,7 +87,7 @@ static int measure_simplices(quality_run *r, pl_job *job, pl_measured *measured)
     if ((status = pl_job_plan(job)))
         return status;
     pl_progress_stage(&r->progress, PL_STAGE_MEASURING);
-    if ((status = pl_job_count_parameters(job)))
+    if ((status = pl_job_count_bound(job)))
         return status;
     if ((status = pl_held_count(job)))
         return status;

@@ -56,6 +56,21 @@ static int check_output(const pl_job *job) {
                              error.text);
 }
 
+/** Say which files that the mesh includes are not beside the output. */
+static void note_included(const pl_job *job) {
+    const char *output = job->arguments->output;
+    const char *const *name = planish_file_included(job->file);
+    const int folder = (int)(pl_path_name(output) - output);
+    char path[4096];
+    for (; *name; name++) {
+        const int length = snprintf(path, sizeof path, "%.*s%s", folder, output, *name);
+        for (char *c = path + folder; length < (int)sizeof path && *c; c++)
+            *c = *c == '\\' ? '/' : *c; /* as files of Windows have it */
+        if (length < (int)sizeof path && !pl_file_exists(path))
+            pl_note(stderr, "%s includes %s, which is not there: copy it", output, *name);
+    }
+}
+
 static int write_mesh(pl_job *job, pl_result *result) {
     const char *output = job->arguments->output;
     uint64_t checksums[] = {result->input_checksum, result->checksum};
@@ -116,12 +131,14 @@ static void print_table(const pl_job *job, const pl_result *result, int status) 
         pl_hint_print(stream, job, result);
         pl_volumes_print(stderr, job, &result->volumes);
         pl_unfixable_print(stderr, job, &result->unfixable);
-        pl_inside_print(stderr, job, &result->validity_after);
+        pl_inside_print(stderr, job, &result->validity_after, &result->unfixable);
         pl_curved_note_result(stderr, job, &result->surface);
         pl_reversed_print(stderr, job, result->reversed.state, result->after.n_reversed);
         if (result->reversed.n_new == 0)
             pl_table_reversed(stderr, &result->after);
         note_case(job);
+        if (job->file && planish_file_can_write(job->file, arguments->output))
+            note_included(job);
     }
     if (result->reason[0] && status)
         pl_complain(status, "%s: %s", arguments->output, result->reason);

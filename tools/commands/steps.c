@@ -15,6 +15,7 @@
 #include "report/page.h"
 #include "report/table.h"
 #include "terminal/message.h"
+#include "terminal/platform.h"
 #include "terminal/signals.h"
 #include "terminal/text.h"
 
@@ -23,6 +24,37 @@
 
 #include <inttypes.h>
 #include <stdio.h>
+#include <stdlib.h>
+
+static int has_mids(const planish_cells *cells) {
+    for (int64_t i = 0; cells && i < cells->n; i++)
+        if (cells->offset[i + 1] - cells->offset[i] >
+            pl_cell_corners((planish_cell_type)cells->type[i]))
+            return 1;
+    return 0;
+}
+
+/** Say that nodes with boundary conditions may move, and what holds them. */
+static void note_supported(const pl_job *job) {
+    enum { MOST_NAMED = 6 };
+    const char *const *group = planish_file_supported_groups(job->file);
+    pl_memory_stream stream;
+    if (job->n_supported == 0)
+        return;
+    pl_memory_stream_open(&stream);
+    for (int i = 0; stream.file && group[i]; i++) {
+        fputs(i == 0 ? "; hold them with --fix " : i < MOST_NAMED ? " --fix " : " ...", stream.file);
+        if (i == MOST_NAMED)
+            break;
+        pl_text_put_word(stream.file, group[i]);
+    }
+    char *options = pl_memory_stream_close(&stream);
+    pl_note(stderr,
+            "%" PRId64 " of the %" PRId64 " nodes with boundary conditions in the file may move%s%s",
+            job->n_supported, planish_file_get_supported(job->file, NULL),
+            has_mids(job->mesh.cells) ? ", and mid-side nodes follow" : "", options ? options : "");
+    free(options);
+}
 
 /** Print what is odd about the mesh, and with -v how it is worked on. */
 static void print_plan(const pl_job *job) {
@@ -36,6 +68,8 @@ static void print_plan(const pl_job *job) {
                 "file, which planish does not update. Remove them before you refine or curve the "
                 "mesh (docs/formats.md)",
                 job->n_with_parameters, job->n_with_parameters == 1 ? "node has" : "nodes have");
+    if (job->arguments->verbosity != PL_QUIET)
+        note_supported(job);
     if (job->arguments->verbosity != PL_QUIET && job->file_info.has_normals &&
         info->n_free + info->n_sliding > 0)
         pl_note(stderr,
@@ -96,7 +130,7 @@ static int prepare(pl_job *job, pl_result *result, pl_progress *progress) {
     if ((status = pl_job_plan(job)))
         return status;
     pl_progress_stage(progress, PL_STAGE_MEASURING);
-    if ((status = pl_job_count_parameters(job)))
+    if ((status = pl_job_count_bound(job)))
         return status;
     if ((status = pl_held_count(job)))
         return status;

@@ -10,6 +10,7 @@
 #include "terminal/threads.h"
 
 #include "base/clock.h"
+#include "base/nearer.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -102,10 +103,18 @@ planish_hold pl_job_hold(const pl_job *job) {
 
 /** Fill constraint with what the file and hold say. */
 static int find_held(const pl_job *job, const planish_hold *hold, uint8_t *constraint) {
+    static const char *const words[] = {"auto", "curved", "none"};
+    const char *nearest = NULL;
     planish_error error;
-    return planish_file_constraints(job->file, hold, constraint, &error)
-               ? complain_of_arguments(job, &error)
-               : 0;
+    if (planish_file_constraints(job->file, hold, constraint, &error) == PLANISH_OK)
+        return 0;
+    for (int i = 0; i < hold->n_slide_tags; i++) /* an unknown one may be meant to be a word */
+        for (size_t k = 0; k < sizeof words / sizeof *words && error.code == PLANISH_ERROR_ARGUMENT; k++)
+            nearest = pl_nearer(hold->slide_tags[i], nearest, words[k]);
+    if (nearest)
+        return pl_complain_usage(pl_command_name(job->arguments->command),
+                                 "%s; did you mean --slide %s?", error.text, nearest);
+    return complain_of_arguments(job, &error);
 }
 
 int pl_job_find_layers(const pl_job *job, uint8_t **is_layer, int64_t *n) {
@@ -654,20 +663,26 @@ int pl_job_is_told(const pl_job *job) {
     return arguments->json || arguments->report || arguments->verbosity != PL_QUIET;
 }
 
-int pl_job_count_parameters(pl_job *job) {
+int pl_job_count_bound(pl_job *job) {
     const size_t n = (size_t)job->mesh.n_nodes + 1;
-    int status = 0;
-    if (planish_file_get_parametric(job->file, NULL) == 0)
+    if (planish_file_get_parametric(job->file, NULL) == 0 &&
+        planish_file_get_supported(job->file, NULL) == 0)
         return 0;
-    uint8_t *has = malloc(n), *is_free = malloc(n);
-    status = has && is_free ? pl_job_get_free(job, is_free)
-                            : pl_job_complain_memory(job, "values of nodes");
-    if (!status)
+    uint8_t *has = malloc(n), *is_supported = malloc(n), *is_free = malloc(n);
+    const int status = has && is_supported && is_free
+                           ? pl_job_get_free(job, is_free)
+                           : pl_job_complain_memory(job, "values of nodes");
+    if (!status) {
         planish_file_get_parametric(job->file, has);
-    for (int64_t i = 0; !status && i < job->mesh.n_nodes; i++)
-        job->n_with_parameters +=
-            has[i] && (is_free[i] || job->constraint[i] > PLANISH_CONSTRAINT_FIXED);
+        planish_file_get_supported(job->file, is_supported);
+    }
+    for (int64_t i = 0; !status && i < job->mesh.n_nodes; i++) {
+        const int is_movable = is_free[i] || job->constraint[i] > PLANISH_CONSTRAINT_FIXED;
+        job->n_with_parameters += has[i] && is_movable;
+        job->n_supported += is_supported[i] && is_movable;
+    }
     free(has);
+    free(is_supported);
     free(is_free);
     return status;
 }

@@ -120,6 +120,7 @@ typedef struct pl_job {
     pl_like like;
     int64_t could_slide;       /* nodes that would with --slide auto; -1: not looked for */
     int64_t n_with_parameters; /* nodes that may move and have parameters of the geometry */
+    int64_t n_supported;       /* nodes that may move and have boundary conditions */
     double *min_volume;        /* [mesh.n_elements] owned, or NULL: no group has one of its own */
     planish_plan *plan;
     planish_plan_info plan_info;
@@ -182,8 +183,9 @@ int pl_job_plan(pl_job *job);
 /** Whether anything is going to be said of the mesh: in a table, or a report. */
 int pl_job_is_told(const pl_job *job);
 
-/** Count, once there is a plan, the nodes that may move while parameters in the file do not. */
-int pl_job_count_parameters(pl_job *job);
+/** Count, once there is a plan, the nodes that may move while parameters, or boundary conditions, in the file
+ *  do not. */
+int pl_job_count_bound(pl_job *job);
 
 /** Count the nodes that could slide, if none shall and any may move; there is a plan. */
 int pl_job_count_slides(pl_job *job);

@@ -8,6 +8,7 @@
 
 #include <inttypes.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 static int ask_signals(const planish_progress *step, void *user) {
@@ -38,17 +39,25 @@ static int find(const pl_job *job, pl_state_kind kind, const planish_options *op
     return 0;
 }
 
-/** Print "TEXT: elements 1, 2, 3, ...", the first few of the n elements whose state is at least
- *  least, on one line. */
-static void print_elements(FILE *stream, const pl_job *job, const uint8_t *state, int least,
-                           int64_t n, const char *text) {
+/** Fill text with "elements 1, 2, 3, ...": the first few of the n elements whose state is least to most. */
+static void list_elements(const pl_job *job, const uint8_t *state, int least, int most, int64_t n,
+                          char text[PL_ELEMENTS_SIZE]) {
     enum { MOST_NAMED = 10 };
     int64_t named = 0;
-    fprintf(stream, "%s: element%s", text, n == 1 ? "" : "s");
+    size_t used = (size_t)snprintf(text, PL_ELEMENTS_SIZE, "element%s", n == 1 ? "" : "s");
     for (int64_t i = 0; i < job->mesh.n_elements && named < n && named < MOST_NAMED; i++)
-        if (state[i] >= least)
-            fprintf(stream, "%s %" PRId64, named++ ? "," : "", pl_job_element_number(job, i));
-    fprintf(stream, "%s\n", named < n ? ", ..." : "");
+        if (state[i] >= least && state[i] <= most)
+            used += (size_t)snprintf(text + used, PL_ELEMENTS_SIZE - used, "%s %" PRId64, named++ ? "," : "",
+                                     pl_job_element_number(job, i));
+    snprintf(text + used, PL_ELEMENTS_SIZE - used, "%s", named < n ? ", ..." : "");
+}
+
+/** Print "TEXT: elements 1, 2, 3, ..." of the n elements whose state is at least least, on one line. */
+static void print_elements(FILE *stream, const pl_job *job, const uint8_t *state, int least,
+                           int64_t n, const char *text) {
+    char list[PL_ELEMENTS_SIZE];
+    list_elements(job, state, least, UINT8_MAX, n, list);
+    fprintf(stream, "%s: %s\n", text, list);
 }
 
 /* ---- minimum volumes ------------------------------------------------------------------------ */
@@ -176,22 +185,25 @@ int64_t pl_unfixable_held(const pl_unfixable *unfixable) {
     return n;
 }
 
+void pl_unfixable_name(const pl_job *job, const pl_unfixable *unfixable,
+                       char text[PL_ELEMENTS_SIZE]) {
+    list_elements(job, unfixable->state, PL_UNFIXABLE, PL_UNFIXABLE,
+                  unfixable->n - pl_unfixable_held(unfixable), text);
+}
+
 void pl_unfixable_print(FILE *stream, const pl_job *job, const pl_unfixable *unfixable) {
-    const int64_t n_held = pl_unfixable_held(unfixable), m = job->mesh.n_elements;
-    uint8_t *others = n_held < unfixable->n ? malloc((size_t)m + 1) : NULL;
-    for (int64_t i = 0; others && i < m; i++)
-        others[i] = unfixable->state[i] == PL_UNFIXABLE;
-    if (others)
-        print_elements(stream, job, others, 1, unfixable->n - n_held,
-                       "cannot be made valid by moving free nodes");
+    const int64_t n_held = pl_unfixable_held(unfixable);
     if (n_held > 0)
         print_elements(stream, job, unfixable->state, PL_UNFIXABLE_HELD, n_held,
                        "inverted, and held by an option");
-    free(others);
 }
 
-void pl_inside_print(FILE *stream, const pl_job *job, const pl_validity *validity) {
-    if (validity->n_inside > 0)
+void pl_inside_print(FILE *stream, const pl_job *job, const pl_validity *validity,
+                     const pl_unfixable *unfixable) {
+    int64_t n_told = 0;
+    for (int64_t i = 0; unfixable->state && validity->state && i < job->mesh.n_elements; i++)
+        n_told += unfixable->state[i] && validity->state[i] == PL_INVERTED_INSIDE;
+    if (n_told < validity->n_inside)
         print_elements(stream, job, validity->state, PL_INVERTED_INSIDE, validity->n_inside,
                        "inverted inside, though their corners are right");
 }

@@ -74,11 +74,19 @@ int64_t pl_unfixable_held(const pl_unfixable *unfixable);
 
 void pl_unfixable_free(pl_unfixable *unfixable);
 
-/** Name the first of them. */
+enum { PL_ELEMENTS_SIZE = 320 }; /* of a list of the first ten elements */
+
+/** Fill text with a list of those that no option holds, "elements 1, 2, ..."; there is one. */
+void pl_unfixable_name(const pl_job *job, const pl_unfixable *unfixable,
+                       char text[PL_ELEMENTS_SIZE]);
+
+/** Name the first of those that options hold. */
 void pl_unfixable_print(FILE *stream, const pl_job *job, const pl_unfixable *unfixable);
 
-/** Name the first of the elements that are inverted though their corners are positive. */
-void pl_inside_print(FILE *stream, const pl_job *job, const pl_validity *validity);
+/** Name the first of the elements that are inverted though their corners are positive, unless all of them
+ *  are unfixable. */
+void pl_inside_print(FILE *stream, const pl_job *job, const pl_validity *validity,
+                     const pl_unfixable *unfixable);
 
 /** Values of pl_reversed.state. */
 enum {

@@ -58,7 +58,8 @@ static const pl_command_text command_table[] = {
      "planish in.msh --fix LOAD"},
     {PL_COMMAND_GROUPS, "groups", "FILE", "mesh file", 0, 0, "list the groups of a mesh",
      "List the groups of the mesh FILE as --fix, --slide and --min-volume take them: a\n"
-     "line each, with what is in the group (solids, faces, lines, nodes) and its tag.",
+     "line each, with what is in the group (solids, faces, lines, nodes), how many of\n"
+     "these, and its tag.",
      "0 if the file was read; 2 if not; 64 bad usage.", "planish groups deck.inp"},
     {PL_COMMAND_CONVERT, "convert", "IN OUT", "mesh file", 0, 1, "convert a mesh to another format",
      "Write the mesh IN to OUT in another format, which the extension of OUT tells, or\n"

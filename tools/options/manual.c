@@ -214,7 +214,7 @@ static void put_bash(void) {
            "        file=${file//\\\\/} # before a blank, say\n"
            "        [ -f \"$file\" ] || [ -d \"$file\" ] || continue\n"
            "        \"${COMP_WORDS[0]}\" groups -- \"$file\" 2>/dev/null && break\n"
-           "    done | cut -c 9-\n"
+           "    done | cut -c 20-\n"
            "}\n"
            "# _planish_tags WORD TAG...: tags that begin with WORD, the groups of the mesh among "
            "them\n"
@@ -309,7 +309,7 @@ static void put_zsh(void) {
            "    local -a tags\n"
            "    for file in ${(Q)words[2,-1]}; do # nothing waits for a pipe\n"
            "        [[ -f $file || -d $file ]] || continue\n"
-           "        tags=(${(f)\"$(planish groups -- $file 2>/dev/null | cut -c 9-)\"})\n"
+           "        tags=(${(f)\"$(planish groups -- $file 2>/dev/null | cut -c 20-)\"})\n"
            "        (( $#tags )) && break\n"
            "    done\n"
            "    compadd -- $@ $tags\n}\n\nlocal -a commands=(\n");

@@ -7,6 +7,8 @@
 #include "terminal/message.h"
 #include "terminal/text.h"
 
+#include "base/nearer.h"
+
 #include <getopt.h>
 #include <limits.h>
 #include <stdio.h>
@@ -55,7 +57,7 @@ static int complain_unknown(pl_command command, const char *name, const char *wo
         const pl_option *row = pl_option_at(i);
         const int is_here = (row->commands & command) != 0;
         if (is_here)
-            nearest = pl_text_nearer(typed, nearest, row->name);
+            nearest = pl_nearer(typed, nearest, row->name);
         else if (strcmp(row->name, typed) == 0)
             elsewhere = row;
         if (is_here && typed[0] && strncmp(row->name, typed, strlen(typed)) == 0 &&

@@ -96,7 +96,7 @@ static const quality_row quality_rows[] = {
      "  of elements with free nodes",
      AT(rms_radius_ratio_movable),
      {"", LESS_IS_BETTER, RELATIVE},
-     EVERY,
+     WITH_FIXED,
      OF_VALID},
     {"mean radius ratio",
      "mean radius ratio",
@@ -405,7 +405,7 @@ static void rows_aspect(FILE *stream, const pl_job *job, const pl_result *result
         row_real(stream, "  floor (no node free)", &before->fixed_max_radius_ratio,
                  after->fixed_max_radius_ratio, &ratio);
     row_real(stream, "RMS aspect ratio", &was->rms_aspect_ratio, is->rms_aspect_ratio, &ratio);
-    if (!(job->options.size_weight > 0)) /* else it is F */
+    if (after->n_fixed_elements > 0 && !(job->options.size_weight > 0)) /* else it is F */
         row_real(stream, "  of elements with free nodes", &before->rms_radius_ratio_movable,
                  after->rms_radius_ratio_movable, &ratio);
     row_real(stream, "mean aspect ratio", &was->mean_aspect_ratio, is->mean_aspect_ratio, &ratio);

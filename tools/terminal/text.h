@@ -3,7 +3,6 @@
  *     pl_text_columns, _fit, _wrap    widths
  *     pl_text_put_word                a word for a shell
  *     pl_text_clean, _put, _control   characters that a terminal may not get
- *     pl_text_nearer                  suggestions for mistyped words
  *     pl_utf8_length                  whether bytes are UTF-8
  */
 #ifndef PL_TOOLS_TEXT_H
@@ -43,10 +42,6 @@ void pl_text_wrap(FILE *stream, const char *sentence);
 /** Bytes of the character that text begins with if a terminal may not get it: a control, or one
  *  that changes the direction of what follows; *code: its number. Else 0. */
 int pl_text_control(const char *text, uint32_t *code);
-
-/** Return word if it is near to a mistyped one, and nearer than nearest (NULL: none so far); else
- *  nearest. */
-const char *pl_text_nearer(const char *typed, const char *nearest, const char *word);
 
 /** Replacement of bytes that are not UTF-8: U+FFFD. */
 #define PL_UTF8_REPLACEMENT "\xEF\xBF\xBD"

@@ -21,6 +21,7 @@
 #include "base/status.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 enum { FIELD_WIDTH = 20 };
@@ -314,6 +315,22 @@ static int read_other(abaqus_reader *r, const abaqus_block *b, io_cursor *cursor
     return io_model_add_other(r->model, cell_type, nodes, 0, label, r->error);
 }
 
+/** Note the name of a type that is read. */
+static int note_type(const abaqus_reader *r, const char *name, const io_element_type *type) {
+    io_model *model = r->model;
+    io_type_name made = {.type = type->shape == IO_LINE
+                                     ? io_simplex_type(1, type->nodes > 2)
+                                     : io_cell_type(type->shape, type->nodes)};
+    int is_there = made.type == 0;
+    for (int64_t i = 0; i < model->n_type_names && !is_there; i++)
+        is_there = strcmp(model->type_name[i].name, name) == 0;
+    snprintf(made.name, sizeof made.name, "%s", name);
+    return is_there || pl_append(&model->type_name, &model->n_type_names,
+                                 &model->type_name_capacity, &made, sizeof made)
+               ? PLANISH_OK
+               : pl_fail_memory(r->error, "the types of elements");
+}
+
 static int read_element_block(abaqus_reader *r, const abaqus_block *b) {
     io_cursor cursor = b->data;
     io_slice line, item = {NULL, NULL};
@@ -323,6 +340,8 @@ static int read_element_block(abaqus_reader *r, const abaqus_block *b) {
     abaqus_squeeze(abaqus_unquoted(item), name);
     const io_element_type type = find_type(name, r->has_cavities);
     const int is_here = b->scope == r->scope;
+    if (note_type(r, name, &type))
+        return PLANISH_ERROR_MEMORY;
     const io_cells *cells = is_here ? io_element_cells(r->model, &type) : NULL;
     const int cell_type = is_here ? io_cell_type(type.shape, type.nodes) : 0;
     const int dim = io_element_dim(&type);

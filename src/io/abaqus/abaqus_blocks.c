@@ -131,6 +131,8 @@ static const known_keyword keywords[] = {
     {"EULERIANSECTION", ABAQUS_SECTION},
     {"EQUATION", ABAQUS_EQUATION},
     {"MPC", ABAQUS_MPC},
+    {"BOUNDARY", ABAQUS_BOUNDARY},
+    {"SURFACE", ABAQUS_SURFACE},
     {"PART", ABAQUS_IN_PART},
     {"ENDPART", ABAQUS_IN_NO_PART},
     {"INSTANCE", ABAQUS_IN_PART},
@@ -232,6 +234,24 @@ static io_slice take_keyword(io_cursor *cursor, io_slice line) {
     return line;
 }
 
+/** Note a keyword that no conversion carries over: it says something, and not of nodes, elements, sets. */
+static int note_not_carried(const block_walk *w, abaqus_keyword keyword, const char *name,
+                            io_slice item) {
+    enum { SIZE = 64 };
+    char text[SIZE] = "*";
+    const int is_carried = keyword == ABAQUS_NODE || keyword == ABAQUS_ELEMENT ||
+                           keyword == ABAQUS_NSET || keyword == ABAQUS_ELSET ||
+                           (keyword >= ABAQUS_IN_PART && keyword <= ABAQUS_INCLUDE) ||
+                           strcmp(name, "HEADING") == 0 || strcmp(name, "PREPRINT") == 0 ||
+                           strncmp(name, "END", 3) == 0;
+    int n = 1;
+    for (const char *c = item.begin; c < item.end && n < SIZE; c++)
+        text[n++] = io_upper(*c);
+    if (is_carried || io_names_add(&w->reader->model->not_carried, text, n))
+        return PLANISH_OK;
+    return pl_fail_memory(w->reader->error, "the keywords of the file");
+}
+
 /** Begin what a keyword line says. */
 static int begin_block(block_walk *w, io_slice line, io_cursor data) {
     abaqus_reader *r = w->reader;
@@ -244,6 +264,8 @@ static int begin_block(block_walk *w, io_slice line, io_cursor data) {
         keyword = strcmp(name, keywords[i].name) == 0 ? keywords[i].keyword : keyword;
     if (refusals[keyword])
         return io_fail_at(r->model, line.begin, r->error, "*%s: %s", name, refusals[keyword]);
+    if (note_not_carried(w, keyword, name, item))
+        return PLANISH_ERROR_MEMORY;
     r->has_cavities |= strcmp(name, "FLUIDPROPERTY") == 0;
     enter_scope(w, keyword);
     abaqus_block block = {
@@ -252,7 +274,7 @@ static int begin_block(block_walk *w, io_slice line, io_cursor data) {
         return include(w, &block);
     w->open = 0;
     block.has_instance = abaqus_parameter(&block, "INSTANCE", &item);
-    if (keyword > ABAQUS_MPC)
+    if (keyword > ABAQUS_LAST_KEPT)
         return PLANISH_OK;
     const int status = add_block(w, block);
     return status || keyword == ABAQUS_NODE ? status : open_input(w);

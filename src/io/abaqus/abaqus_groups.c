@@ -120,12 +120,21 @@ static int make_entities(abaqus_reader *r, abaqus_things things) {
     return status;
 }
 
+static int make_group(abaqus_reader *r, int dim, int32_t number, const abaqus_set *set) {
+    io_model *model = r->model;
+    const io_slice name = abaqus_unquoted(set->name);
+    const int status =
+        io_model_group(model, dim, number, name.begin, io_slice_length(name), r->error);
+    if (!status)
+        model->group[model->n_groups - 1].ignores_case = !abaqus_is_quoted(set->name);
+    return status;
+}
+
 /** Make a group of each set and each dimension that its members have. */
 static int make_groups(abaqus_reader *r) {
     int status = PLANISH_OK;
     for (int64_t i = 0; i < r->n_sets && !status; i++) {
         const abaqus_set *set = &r->set[i];
-        const io_slice name = abaqus_unquoted(set->name);
         unsigned dims = 0;
         for (int64_t k = 0; set->things == ABAQUS_ELEMENTS && k < set->n; k++) {
             int64_t local;
@@ -134,8 +143,7 @@ static int make_groups(abaqus_reader *r) {
         dims = dims ? dims : 1; /* nodes; or elements that are not kept, which hold theirs */
         for (int dim = 0; dim <= 3 && !status; dim++)
             if (dims >> dim & 1)
-                status = io_model_group(r->model, dim, (int32_t)i + 1, name.begin,
-                                        io_slice_length(name), r->error);
+                status = make_group(r, dim, (int32_t)i + 1, set);
     }
     return status;
 }

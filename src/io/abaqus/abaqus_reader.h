@@ -13,7 +13,7 @@
 
 enum { ABAQUS_NAME_SIZE = 32 };
 
-/** Meaning of a keyword; blocks are kept of those up to ABAQUS_MPC. */
+/** Meaning of a keyword; blocks are kept of those up to ABAQUS_LAST_KEPT. */
 typedef enum abaqus_keyword {
     ABAQUS_NODE,
     ABAQUS_ELEMENT,
@@ -22,6 +22,9 @@ typedef enum abaqus_keyword {
     ABAQUS_SECTION, /* gives a material to an ELSET */
     ABAQUS_EQUATION,
     ABAQUS_MPC,
+    ABAQUS_BOUNDARY,
+    ABAQUS_SURFACE,
+    ABAQUS_LAST_KEPT = ABAQUS_SURFACE,
     ABAQUS_IN_PART,    /* a part or instance begins, */
     ABAQUS_IN_OTHERS,  /* the assembly begins, or an instance in it ends, */
     ABAQUS_IN_NO_PART, /* a part or the assembly ends */

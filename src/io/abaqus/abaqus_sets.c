@@ -362,6 +362,138 @@ static void hold_equations(abaqus_reader *r) {
     }
 }
 
+/** Mark the nodes of *BOUNDARY (a node or set, then degrees of freedom), and note its sets. */
+static int mark_supported(abaqus_reader *r, const abaqus_block *b) {
+    io_model *model = r->model;
+    io_cursor cursor = b->data;
+    io_slice line, item;
+    int64_t node;
+    int32_t index;
+    if (!model->supported)
+        model->supported = pl_alloc_zero(model->n_nodes, 1);
+    if (!model->supported)
+        return pl_fail_memory(r->error, "the boundary conditions of the file");
+    while (abaqus_line(&cursor, &line)) {
+        abaqus_item(&line, &item);
+        if (find_item(r, b, ABAQUS_NODES, item, &index, &node))
+            continue;
+        if (node >= 0)
+            model->supported[node] = 1;
+        const abaqus_set *set = index >= 0 ? &r->set[index] : NULL;
+        const io_slice name = set ? abaqus_unquoted(set->name) : item;
+        const int64_t n = model->supported_group.n;
+        if (set && !io_names_add(&model->supported_group, name.begin, io_slice_length(name)))
+            return pl_fail_memory(r->error, "the boundary conditions of the file");
+        for (int64_t m = 0; set && n < model->supported_group.n && m < set->n; m++)
+            model->supported[set->member[m]] = 1;
+    }
+    return PLANISH_OK;
+}
+
+/* ---- surfaces ------------------------------------------------------------------------------- */
+
+/** Facets of the types of elements, by the numbers of their corners, as S1, S2, ... */
+static const struct {
+    int dim, corners;
+    const char *facets[6]; /* digits: corners from 1 */
+} facets[] = {
+    {2, 3, {"12", "23", "31"}},
+    {2, 4, {"12", "23", "34", "41"}},
+    {3, 4, {"123", "142", "243", "341"}},
+    {3, 5, {"1234", "152", "253", "354", "451"}},
+    {3, 6, {"123", "465", "1452", "2563", "3641"}},
+    {3, 8, {"1234", "5876", "1562", "2673", "3784", "4851"}},
+};
+
+/** Return the corners of the facet called name of an element with so many corners: digits, from 1; NULL: planish
+ *  does not know it. */
+static const char *find_facet(const char *name, int dim, int corners) {
+    if (dim == 2 && (strcmp(name, "SPOS") == 0 || strcmp(name, "SNEG") == 0))
+        return corners == 3 ? "123" : "1234";
+    if (name[0] != 'S' || name[1] < '1' || name[1] > '6' || name[2])
+        return NULL;
+    for (size_t i = 0; i < sizeof facets / sizeof *facets; i++)
+        if (facets[i].dim == dim && facets[i].corners == corners)
+            return facets[i].facets[name[1] - '1'];
+    return NULL;
+}
+
+/** Add the corners of a facet of an element to a set (-1: to none). *is_known becomes 0 if planish does not
+ *  know the facet. */
+static int add_facet(abaqus_reader *r, int32_t set, int64_t cell, const char *name, int *is_known) {
+    int64_t local;
+    const io_list list = abaqus_list_of(r, cell, &local);
+    int32_t node[IO_CELL_NODES];
+    int corners, status = PLANISH_OK;
+    io_list_nodes(&list, local, node, &corners);
+    const char *facet = find_facet(name, list.dim, corners);
+    *is_known &= facet != NULL;
+    for (; facet && *facet && set >= 0 && !status; facet++)
+        status = add_member(r, set, node[*facet - '1']);
+    return status;
+}
+
+/** Add a line of *SURFACE to a set of nodes (-1: to none): a node, or an element and its facet, or a set of
+ *  these. *is_known becomes 0 if planish does not know what that is. */
+static int add_surface_line(abaqus_reader *r, const abaqus_block *b, abaqus_things things,
+                            int32_t set, io_slice line, int *is_known) {
+    io_slice item, second = {line.end, line.end};
+    char name[ABAQUS_NAME_SIZE];
+    int64_t thing;
+    int32_t from;
+    abaqus_item(&line, &item);
+    abaqus_item(&line, &second);
+    abaqus_squeeze(second, name);
+    *is_known &= find_item(r, b, things, item, &from, &thing) == 0;
+    const int64_t n = !*is_known ? 0 : from >= 0 ? r->set[from].n : thing >= 0;
+    int status = ask_for(r, item.begin, n);
+    for (int64_t i = 0; i < n && !status; i++) {
+        const int64_t member = from >= 0 ? r->set[from].member[i] : thing;
+        if (things == ABAQUS_ELEMENTS)
+            status = add_facet(r, set, member, name, is_known);
+        else if (set >= 0)
+            status = add_member(r, set, (int32_t)member);
+    }
+    return status;
+}
+
+/** Whether a block has more data of the keyword line of another one, or is that one. */
+static int continues(const abaqus_block *block, const abaqus_block *first) {
+    return block->parameters.begin == first->parameters.begin;
+}
+
+/** Read *SURFACE: its nodes are a set, unless a set has its name, or planish does not know all that it is
+ *  made of. Its lines may go on in the blocks behind it, as files are included. */
+static int read_surface(abaqus_reader *r, const abaqus_block *b) {
+    const abaqus_block *const end = r->block + r->n_blocks;
+    io_slice name = {NULL, NULL}, type = {NULL, NULL}, line;
+    const int has_type = abaqus_parameter(b, "TYPE", &type);
+    const int is_of_nodes = has_type && io_slice_is(type, "NODE", 1);
+    const abaqus_things things = is_of_nodes ? ABAQUS_NODES : ABAQUS_ELEMENTS;
+    int is_known = !has_type || is_of_nodes || io_slice_is(type, "ELEMENT", 1);
+    int status = PLANISH_OK;
+    if (!abaqus_parameter(b, "NAME", &name) ||
+        abaqus_find_set(r, ABAQUS_NODES, b->scope, name) >= 0 ||
+        abaqus_find_set(r, ABAQUS_ELEMENTS, b->scope, name) >= 0)
+        return PLANISH_OK;
+    if (is_known && !is_of_nodes && !r->elements)
+        is_known = number_elements(r) == PLANISH_OK; /* numbers that occur twice tell no element */
+    for (int pass = 0; pass < 2 && is_known && !status; pass++) { /* look, then add */
+        const int32_t set = pass ? make_set(r, ABAQUS_NODES, b->scope, name) : -1;
+        status = pass && set < 0 ? set : PLANISH_OK;
+        for (const abaqus_block *more = b; more < end && continues(more, b); more++) {
+            io_cursor cursor = more->data;
+            while (!status && is_known && abaqus_line(&cursor, &line))
+                status = add_surface_line(r, b, things, set, line, &is_known);
+        }
+    }
+    name = abaqus_unquoted(name);
+    if (is_known || status ||
+        io_names_add(&r->model->strange_groups, name.begin, io_slice_length(name)))
+        return status;
+    return pl_fail_memory(r->error, "the surfaces of the file");
+}
+
 /* ---- all ---------------------------------------------------------------------------------- */
 
 int abaqus_read_sets(abaqus_reader *r) {
@@ -393,5 +525,12 @@ int abaqus_read_sets(abaqus_reader *r) {
             status = read_set(r, &r->block[i]);
     if (!status)
         hold_equations(r);
+    for (int64_t i = 0; i < r->n_blocks && !status; i++)
+        if (r->block[i].keyword == ABAQUS_BOUNDARY)
+            status = mark_supported(r, &r->block[i]);
+    for (int64_t i = 0; i < r->n_blocks && !status; i++)
+        if (r->block[i].keyword == ABAQUS_SURFACE &&
+            (i == 0 || !continues(&r->block[i], &r->block[i - 1])))
+            status = read_surface(r, &r->block[i]);
     return status;
 }

@@ -147,6 +147,17 @@ static void put_file(io_writer *writer, const io_view *view, const io_view_block
             put_nset(writer, view, g);
 }
 
+/** Note the types of an Abaqus file that have another name now: C3D8R is C3D8. */
+static void lose_type_names(const io_view *view, const io_view_type *types, io_losses *losses) {
+    const io_model *model = view->model;
+    for (int64_t i = 0; i < model->n_type_names; i++) {
+        const io_type_name *old = &model->type_name[i];
+        const io_view_type *now = io_view_find_type(types, old->type);
+        if (now && strcmp(now->name, old->name) != 0)
+            io_losses_add(losses, "the type %s (now %s)", old->name, now->name);
+    }
+}
+
 static int abaqus_write(const io_view *view, pl_output *output, io_losses *losses,
                         planish_error *error) {
     const io_view_type *types = view->model->dim == 2 ? plane_types : solid_types;
@@ -157,6 +168,7 @@ static int abaqus_write(const io_view *view, pl_output *output, io_losses *losse
     if (!status) {
         put_file(&writer, view, &blocks, types);
         io_view_lose_types(types, &blocks, losses);
+        lose_type_names(view, types, losses);
         io_view_lose_fields(view, losses);
     }
     io_view_blocks_release(&blocks);

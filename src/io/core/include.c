@@ -80,9 +80,18 @@ int io_include_open(io_model *model, const char *at, io_slice name, io_cursor *c
         return io_fail_at(model, at, error,
                           "more than %d files are included, or one includes itself",
                           IO_MOST_INCLUDED);
-    const int status = io_bytes_open_beside(path, model->largest_copy, &file, error);
-    if (status)
+    planish_error missing;
+    const int status = io_bytes_open_beside(path, model->largest_copy, &file, &missing);
+    if (status) { /* the line that names it is what can be changed */
+        io_fail_at(model, at, error, "%s", missing.text);
+        if (error)
+            error->code = status;
         return status;
+    }
+    if (!io_names_add(&model->included_name, name.begin, io_slice_length(name))) {
+        io_bytes_close(&file);
+        return pl_fail_memory(error, path);
+    }
     if (!pl_append(&model->included, &n, &model->included_capacity, &file, sizeof file)) {
         io_bytes_close(&file);
         return pl_fail_memory(error, path);

@@ -284,7 +284,7 @@ int io_model_index_tags_but(io_model *model, int dim, int64_t none, int32_t *tag
 int io_model_group(io_model *model, int dim, int32_t tag, const char *name, int64_t length,
                    planish_error *error) {
     char *copy = pl_alloc(length + 1, 1);
-    const io_group group = {dim, tag, copy};
+    const io_group group = {dim, tag, copy, 0};
     if (!copy ||
         !pl_append(&model->group, &model->n_groups, &model->group_capacity, &group, sizeof group)) {
         pl_free(copy);
@@ -495,6 +495,7 @@ static void release_nodes(io_model *model) {
     pl_free(model->hold);
     pl_free(model->node_entity);
     pl_free(model->periodic);
+    pl_free(model->supported);
 }
 
 static void release_elements(io_model *model) {
@@ -513,6 +514,14 @@ static void release_groups(io_model *model) {
     for (int32_t i = 0; i < model->n_groups; i++)
         pl_free(model->group[i].name);
     pl_free(model->group);
+    io_names_release(&model->strange_groups);
+    io_names_release(&model->supported_group);
+}
+
+static void release_names(io_model *model) {
+    io_names_release(&model->included_name);
+    io_names_release(&model->not_carried);
+    pl_free(model->type_name);
 }
 
 /** Release the arrays that may tell regions, and the notes of data. */
@@ -536,6 +545,7 @@ void io_model_destroy(io_model *model) {
     release_elements(model);
     release_groups(model);
     release_arrays(model);
+    release_names(model);
     memset(model, 0, sizeof *model);
 }
 

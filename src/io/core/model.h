@@ -35,6 +35,7 @@
 
 #include "base/printf.h"
 #include "io/core/cell_types.h"
+#include "io/core/names.h"
 
 #include <planish/planish_io.h>
 
@@ -176,8 +177,15 @@ typedef struct io_entity {
 typedef struct io_group {
     int dim;
     int32_t tag;
-    char *name; /* owned */
+    char *name;       /* owned */
+    int ignores_case; /* of letters of the name (Abaqus' without quotes) */
 } io_group;
+
+/** Name of a type of elements in the file. */
+typedef struct io_type_name {
+    int type; /* planish_cell_type */
+    char name[32];
+} io_type_name;
 
 /** An array of one whole number per cell of the file (arrays.h). */
 typedef struct io_array {
@@ -290,6 +298,14 @@ typedef struct io_model {
     io_group *group;      /* [n_groups] */
     int64_t n_groups, group_capacity;
     int groups_by_name;    /* numbers of entities and groups are none of the file's (Abaqus) */
+    io_names strange_groups; /* names in the file that are no groups, though they look so (*SURFACE) */
+    uint8_t *supported;      /* [n_nodes] 1: a boundary condition names the node, and holds it not; NULL:
+                                none does */
+    io_names supported_group; /* names of the groups that boundary conditions name */
+    io_names included_name;   /* of the files in included, as the input names them */
+    io_names not_carried;     /* what no conversion carries over: keywords of Abaqus */
+    io_type_name *type_name;  /* [n_type_names] each once, of the elements that are read (Abaqus) */
+    int64_t n_type_names, type_name_capacity;
     int has_normals;       /* the file has normals of nodes, which stay as they are */
     io_others flat, solid; /* of two and of three dimensions */
     const io_node_order *node_order; /* of the format, ended by a row of type 0; NULL: VTK's */

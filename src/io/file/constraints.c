@@ -7,12 +7,14 @@
 
 #include "base/context.h"
 #include "base/memory.h"
+#include "base/nearer.h"
 #include "base/status.h"
 
 #include <float.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 /** A tag of the command line: a name, or a number with or without a dimension. */
 typedef struct tag {
@@ -100,12 +102,52 @@ static void list_tags(const io_model *model, int dim, char *text, size_t size) {
         snprintf(text + used, size - used, ", ...");
 }
 
+static int is_called(const io_group *group, const char *text) {
+    return group->ignores_case ? strcasecmp(group->name, text) == 0
+                               : strcmp(group->name, text) == 0;
+}
+
+/** Return the dimension of a group of that name, or -1: there is none. */
+static int dim_of_group(const io_model *model, const char *text) {
+    for (int32_t i = 0; i < model->n_groups; i++)
+        if (is_called(&model->group[i], text))
+            return model->group[i].dim;
+    return -1;
+}
+
+/** Fail as there is no group text of dimension dim (-1: any), and say what was perhaps meant. */
+static int fail_tag(const io_model *model, const char *text, int dim, planish_error *error) {
+    static const char *const kind[] = {"of nodes", "of lines", "of triangles or quadrilaterals",
+                                       "of solid elements"};
+    const char *path = io_model_opened(model)->path, *nearest = NULL;
+    const int found = dim_of_group(model, text);
+    char list[256];
+    if (found >= 0)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "%s: '%s' is a group %s, but one %s is needed", path, text, kind[found],
+                       kind[dim]);
+    for (int64_t i = 0; i < model->strange_groups.n; i++)
+        if (strcasecmp(model->strange_groups.name[i], text) == 0)
+            return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                           "%s: '%s' is a *SURFACE that planish does not take as a group; give the "
+                           "set of nodes or elements that it is made of",
+                           path, text);
+    for (int32_t i = 0; i < model->n_groups; i++)
+        if (dim < 0 || model->group[i].dim == dim)
+            nearest = pl_nearer(text, nearest, model->group[i].name);
+    if (nearest)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "%s: there is no group '%s' %s; did you mean '%s'?", path, text,
+                       dim < 0 ? "to hold" : kind[dim], nearest);
+    list_tags(model, dim, list, sizeof list);
+    return pl_fail(error, PLANISH_ERROR_ARGUMENT, "%s: there is no group '%s' %s; the file has: %s",
+                   path, text, dim < 0 ? "to hold" : kind[dim], list);
+}
+
 /** Choose the entities of the group that text names, among those of dimension dim (-1: any): by its
  *  name, or by a number, which entities have or which only a name knows. */
 static int choose_tag(const io_model *model, const char *text, int dim, uint8_t *chosen,
                       planish_error *error) {
-    static const char *const kind[] = {"of lines", "of triangles or quadrilaterals",
-                                       "of solid elements"};
     tag t = tag_parse(text, dim);
     t.has_number = t.has_number && !model->groups_by_name;
     int found = 0;
@@ -113,7 +155,7 @@ static int choose_tag(const io_model *model, const char *text, int dim, uint8_t 
         const io_group *group = &model->group[i];
         if (dim >= 0 && group->dim != dim)
             continue;
-        if (strcmp(group->name, text) != 0 &&
+        if (!is_called(group, text) &&
             !(t.has_number && group->tag == t.number && (t.dim < 0 || t.dim == group->dim)))
             continue;
         choose_number(model, group->dim, group->tag, chosen);
@@ -121,12 +163,7 @@ static int choose_tag(const io_model *model, const char *text, int dim, uint8_t 
     }
     if (t.has_number && (dim < 0 || t.dim == dim))
         found |= choose_number(model, t.dim, t.number, chosen);
-    if (found)
-        return PLANISH_OK;
-    char list[256];
-    list_tags(model, dim, list, sizeof list);
-    return pl_fail(error, PLANISH_ERROR_ARGUMENT, "%s: there is no group '%s' %s; the file has: %s",
-                   io_model_opened(model)->path, text, dim < 0 ? "to hold" : kind[dim - 1], list);
+    return found ? PLANISH_OK : fail_tag(model, text, dim, error);
 }
 
 /** Choose the entities of n tags: *chosen [n_entities], owned, in any case. */
@@ -320,6 +357,17 @@ int64_t planish_file_get_marked(const planish_file *file, uint8_t *marked) {
 
 int64_t planish_file_get_parametric(const planish_file *file, uint8_t *parametric) {
     return count_nodes(file, IO_HAS_PARAMETERS, parametric);
+}
+
+int64_t planish_file_get_supported(const planish_file *file, uint8_t *supported) {
+    int64_t n = 0;
+    for (int64_t i = 0; file && i < file->model.n_nodes; i++) {
+        const uint8_t is = file->model.supported && file->model.supported[i];
+        n += is;
+        if (supported)
+            supported[i] = is;
+    }
+    return n;
 }
 
 planish_surface planish_file_surface(const planish_file *file, const planish_hold *hold) {

@@ -114,9 +114,27 @@ static int find_fields(planish_file *file, io_view_field **field, int *n_fields,
 
 /* ---- losses -------------------------------------------------------------------------------- */
 
+/** List keywords, but not too many: "*MATERIAL, *STEP and 3 more keywords". */
+static void list_keywords(const io_names *names, io_losses *losses) {
+    enum { MOST = 10 };
+    char text[IO_VIEW_LOST_SIZE];
+    size_t used = 0;
+    const int64_t n = names->n > MOST + 1 ? MOST : names->n;
+    for (int64_t i = 0; i < n && used < sizeof text; i++)
+        used += (size_t)snprintf(text + used, sizeof text - used, "%s%s", i > 0 ? ", " : "",
+                                 names->name[i]);
+    if (n == 0)
+        return;
+    if (n < names->n)
+        io_losses_add(losses, "%s and %" PRId64 " more keywords", text, names->n - n);
+    else
+        io_losses_add(losses, "%s", text);
+}
+
 /** List what no writer writes. */
 static void list_losses(const io_view *view, io_losses *losses) {
     const io_model *model = view->model;
+    list_keywords(&model->not_carried, losses);
     const int64_t kept =
         model->line.n + (io_model_dim(model) == 3 ? model->triangle.n + model->flat.n : 0);
     int has_cell_fields = 0;

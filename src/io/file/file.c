@@ -407,6 +407,14 @@ const char *planish_file_unterminated_path(const planish_file *file) {
     return NULL;
 }
 
+const char *const *planish_file_supported_groups(const planish_file *file) {
+    return file ? io_names_list(&file->model.supported_group) : no_names;
+}
+
+const char *const *planish_file_included(const planish_file *file) {
+    return file ? io_names_list(&file->model.included_name) : no_names;
+}
+
 /** Count the elements whose nodes do not move for their type. */
 static int64_t count_held(const planish_file *file) {
     const io_others *others = io_model_other_elements(&file->model);

@@ -10,10 +10,11 @@
 
 enum { NUMBER_SIZE = 16 }; /* "3:-2147483648" */
 
-/** Dimension and number of a group. */
+/** Dimension and number of a group, and how many elements or nodes it has. */
 typedef struct numbered {
     int dim;
     int32_t number;
+    int64_t n;
 } numbered;
 
 static int compare(const void *a, const void *b) {
@@ -26,44 +27,46 @@ static int compare(const void *a, const void *b) {
 /** Count the numbers by which tags mean entities. */
 static int64_t count_numbers(const io_model *model) {
     int64_t n = 0;
-    for (int32_t i = 0; i < model->n_entities && !model->groups_by_name; i++)
+    for (int32_t i = 0; i < model->n_entities; i++)
         n += model->entity[i].n_physical > 0 ? model->entity[i].n_physical : 1;
     return n;
 }
 
-/** Mark the entities that have elements or nodes: used [n_entities], zeroed. */
-static void mark_used(const io_model *model, uint8_t *used) {
+/** Count the elements or nodes of each entity: used [n_entities], zeroed. */
+static void count_used(const io_model *model, int64_t *used) {
     for (int k = IO_FIRST_LIST; k < IO_N_LISTS; k++) {
         const io_list list = io_model_list(model, k);
         for (int64_t i = 0; list.entity && i < list.n; i++)
-            used[list.entity[i]] = 1;
+            used[list.entity[i]]++;
     }
     for (int64_t i = 0; model->node_entity && i < model->n_nodes; i++)
         if (model->node_entity[i] >= 0)
-            used[model->node_entity[i]] = 1;
+            used[model->node_entity[i]]++;
 }
 
 /** Find these numbers of used entities, each once and sorted: found [count_numbers]. Returns how many
  *  there are. */
-static int64_t find_numbers(const io_model *model, const uint8_t *used, numbered *found) {
+static int64_t find_numbers(const io_model *model, const int64_t *used, numbered *found) {
     int64_t n = 0, n_kept = 0;
-    for (int32_t i = 0; i < model->n_entities && !model->groups_by_name; i++) {
+    for (int32_t i = 0; i < model->n_entities; i++) {
         const io_entity *entity = &model->entity[i];
         for (int j = 0; used[i] && (j < entity->n_physical || j == 0); j++)
-            found[n++] =
-                (numbered){entity->dim, entity->n_physical ? entity->physical[j] : entity->tag};
+            found[n++] = (numbered){
+                entity->dim, entity->n_physical ? entity->physical[j] : entity->tag, used[i]};
     }
     qsort(found, (size_t)n, sizeof *found, compare);
     for (int64_t i = 0; i < n; i++)
-        if (i == 0 || compare(&found[i], &found[i - 1]) != 0)
+        if (i == 0 || compare(&found[i], &found[n_kept - 1]) != 0)
             found[n_kept++] = found[i];
+        else
+            found[n_kept - 1].n += found[i].n;
     return n_kept;
 }
 
 /** Collect the numbers of groups with a name, sorted: named [n_groups]. */
 static void find_named(const io_model *model, numbered *named) {
     for (int32_t i = 0; i < model->n_groups; i++)
-        named[i] = (numbered){model->group[i].dim, model->group[i].tag};
+        named[i] = (numbered){model->group[i].dim, model->group[i].tag, 0};
     qsort(named, (size_t)model->n_groups, sizeof *named, compare);
 }
 
@@ -72,13 +75,17 @@ static void find_named(const io_model *model, numbered *named) {
 static void fill(const io_model *model, const numbered *named, const numbered *number, int64_t n,
                  char *text, planish_file *file) {
     planish_group *group = file->group;
-    for (int32_t i = 0; i < model->n_groups; i++)
-        *group++ = (planish_group){.tag = model->group[i].name, .dim = model->group[i].dim};
-    for (int64_t i = 0; i < n; i++) {
+    for (int32_t i = 0; i < model->n_groups; i++) {
+        const numbered key = {model->group[i].dim, model->group[i].tag, 0};
+        const numbered *found = bsearch(&key, number, (size_t)n, sizeof *number, compare);
+        *group++ = (planish_group){
+            .tag = model->group[i].name, .dim = key.dim, .n = found ? found->n : 0};
+    }
+    for (int64_t i = 0; i < n && !model->groups_by_name; i++) {
         if (bsearch(&number[i], named, (size_t)model->n_groups, sizeof *named, compare))
             continue;
         snprintf(text, NUMBER_SIZE, "%d:%d", number[i].dim, (int)number[i].number);
-        *group++ = (planish_group){.tag = text, .dim = number[i].dim};
+        *group++ = (planish_group){.tag = text, .dim = number[i].dim, .n = number[i].n};
         text += NUMBER_SIZE;
     }
     file->n_groups = group - file->group;
@@ -90,12 +97,12 @@ static int make_list(planish_file *file) {
     const int64_t n_numbers = count_numbers(model);
     numbered *number = pl_alloc(n_numbers, sizeof *number);
     numbered *named = pl_alloc(model->n_groups, sizeof *named);
-    uint8_t *used = pl_alloc_zero(model->n_entities, 1);
+    int64_t *used = pl_alloc_zero(model->n_entities, sizeof *used);
     file->group = pl_alloc(model->n_groups + n_numbers, sizeof *file->group);
     file->group_text = pl_alloc(n_numbers, NUMBER_SIZE);
     const int has_memory = number && named && used && file->group && file->group_text;
     if (has_memory) {
-        mark_used(model, used);
+        count_used(model, used);
         find_named(model, named);
         fill(model, named, number, find_numbers(model, used, number), file->group_text, file);
     }

@@ -25,6 +25,7 @@ int xdmf_close(xdmf_reader *r, int status) {
     }
     pl_free(r->file);
     io_include_close(&r->document.view);
+    io_names_release(&r->document.view.included_name);
     xdmf_markup_release(&r->document);
     return status;
 }

@@ -6,7 +6,7 @@ from ctypes import Structure, c_double, c_int
 from typing import Annotated, Any
 
 from ._fields import Double, Int, Int64, Pointer, Text, fields
-from ._structures import CellValueArrays, Numbers3, Reserved2, Reserved3, Reserved4, Reserved6, Reserved8, Vector
+from ._structures import CellValueArrays, Numbers3, Reserved1, Reserved3, Reserved4, Reserved6, Reserved8, Vector
 
 
 @fields
@@ -91,7 +91,8 @@ class Group(Structure):
 
     tag: Text
     dim: Int
-    reserved: Reserved2
+    n: Int64
+    reserved: Reserved1
 
 
 @fields
