@@ -26,6 +26,10 @@ io_hdf5_path io_hdf5_path_of(io_hdf5 *file, const char *format, ...) {
     return path;
 }
 
+/** What is wrong with a link to another file. */
+static const char outside[] = "is a link to another file, which is not followed; make one file of "
+                              "them, with h5copy for instance";
+
 /* ---- the file ------------------------------------------------------------------------------ */
 
 /** Find the kind of an object; *is_open: it could be looked at. */
@@ -82,8 +86,11 @@ int io_hdf5_open(io_model *model, io_hdf5 **out, planish_error *error) {
 int io_hdf5_end(io_hdf5 *file, int status) {
     if (!file)
         return status;
-    if (!status && file->unknown[0])
-        status = hdf5_fail_library(file, file->unknown, "cannot be looked at");
+    /* What is in another file is missing here, whatever the reader said of that. */
+    if (file->unknown[0] && (!status || (status == PLANISH_ERROR_FORMAT && file->is_outside)))
+        status = io_hdf5_fail(file, file->unknown, "%s",
+                              file->is_outside ? outside
+                                               : "cannot be looked at; the file may be damaged");
     hdf5_release(file->access);
     if (file->id >= 0)
         H5Fclose(file->id);
@@ -117,8 +124,12 @@ static int is_missing(const io_hdf5 *file, const char *path) {
 io_hdf5_kind io_hdf5_kind_of(io_hdf5 *file, const char *path) {
     int is_open;
     const io_hdf5_kind kind = kind_in(file->id, file->access, path, &is_open);
-    if (!is_open && !file->unknown[0] && !is_missing(file, path))
+    if (!is_open && !file->unknown[0] && !is_missing(file, path)) {
+        H5L_info_t about;
+        file->is_outside = H5Lget_info(file->id, path, &about, file->access) >= 0 &&
+                           about.type != H5L_TYPE_HARD && about.type != H5L_TYPE_SOFT;
         snprintf(file->unknown, sizeof file->unknown, "%s", path);
+    }
     return kind;
 }
 
@@ -161,10 +172,7 @@ static herr_t add_name(hid_t group, const char *name, const H5L_info_t *info, vo
     listed_group *l = data;
     (void)group;
     if (info->type != H5L_TYPE_HARD && info->type != H5L_TYPE_SOFT)
-        l->status = io_hdf5_fail(l->file, l->path,
-                                 "'%s' is a link to another file, which is not followed; make one "
-                                 "file of them, with h5copy for instance",
-                                 name);
+        l->status = io_hdf5_fail(l->file, l->path, "'%s' %s", name, outside);
     else
         l->status = io_hdf5_names_add(l->file, l->names, name);
     return l->status ? -1 : 0;

@@ -26,6 +26,7 @@ struct io_hdf5 {
     hid_t access; /* of links: none to other files are followed */
     int has_precision;
     char unknown[IO_HDF5_PATH_SIZE]; /* an object that is there and could not be looked at; or "" */
+    int is_outside;                  /* that is a link to another file */
     int is_too_long;                 /* that is a path cut off, of a name that is too long */
     void **kept;                     /* [n_kept] memory that io_hdf5_end releases */
     int64_t n_kept, kept_capacity;
