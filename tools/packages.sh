@@ -44,6 +44,8 @@ packages_full=(
     dpkg-dev lintian file          # packages for Debian
     ruby python3-yaml              # recipes for other systems
     rustc gfortran                 # examples in other languages
+    python3-sphinx python3-myst-parser furo # the documents as a site
+    codespell aspell aspell-en     # spelling
 )
 
 # shellcheck disable=SC2034

@@ -9,24 +9,25 @@
  * Error convention: functions return 0 on success and a negative planish_status on failure; then
  * *error (may be NULL) says what and where, and outputs are untouched unless stated otherwise.
  *
- * Conventions: node and element indices start at 0. dim is 2 (triangles) or 3 (tetrahedra).
- * Floating-point environment: the library computes in round-to-nearest, with subnormals and without
- * traps. Each thread has its own environment again, flags included, when the call or task returns.
- * Callbacks run in the library's environment and must keep it. They must return: no longjmp, no C++
- * exception.
- * Names: n_ begins the number of nodes, elements, facets or other things. Plain nouns count work:
- * sweeps, visits, evaluations, threads. -1 stands for "not counted". The enumerators of a type
- * have a common prefix: PLANISH_ROLE_OWN is a planish_role. *Infeasible* means proved impossible,
- * *given up* means left out of the energy of untangling.
- * Structures are to be zeroed before they are filled in ({0}, or designated initialisers; options
- * by planish_options_init). Their sizes do not change: later versions use what is reserved.
- * planish_options begins with its size besides, so that options which were not initialised, or
- * which another header describes, are refused.
- * "Radius ratio" (RR) is the normalised one: R/(3r) of a tetrahedron, R/(2r) of a triangle, R the
- * circumradius and r the inradius; 1 for the equilateral element and larger for any other. It is the
- * measure of meshes of simplices alone. "Mixed" is a mesh with a smoothed element of another type:
- * the aspect ratio AR of planish_cell_measures, by the mean ratios mu of corners, stands for RR there
- * (docs/elements.md).
+ * Conventions:
+ * - Node and element indices start at 0. dim is 2 (triangles) or 3 (tetrahedra).
+ * - Floating-point environment: the library computes in round-to-nearest, with subnormals and
+ *   without traps. Each thread has its own environment again, flags included, when the call or task
+ *   returns. Callbacks run in the library's environment and must keep it. They must return: no
+ *   longjmp, no C++ exception.
+ * - Names: n_ begins the number of nodes, elements, facets or other things. Plain nouns count work:
+ *   sweeps, visits, evaluations, threads. -1 stands for "not counted". The enumerators of a type
+ *   have a common prefix: PLANISH_ROLE_OWN is a planish_role. "Infeasible" means proved impossible,
+ *   "given up" means left out of the energy of untangling.
+ * - Structures are to be zeroed before they are filled in ({0}, or designated initialisers; options
+ *   by planish_options_init). Their sizes do not change: later versions use what is reserved.
+ *   planish_options begins with its size besides, so that options which were not initialised, or
+ *   which another header describes, are refused.
+ * - "Radius ratio" (RR) is the normalised one: R/(3r) of a tetrahedron, R/(2r) of a triangle, R the
+ *   circumradius and r the inradius; 1 for the equilateral element and larger for any other. It is
+ *   the measure of meshes of simplices alone.
+ * - "Mixed" is a mesh with a smoothed element of another type: the aspect ratio AR of
+ *   planish_cell_measures, by the mean ratios mu of corners, stands for RR there (docs/elements.md).
  *
  * Sections:
  *   Version, errors            planish_version, planish_has_feature, planish_status, planish_error
