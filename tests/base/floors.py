@@ -52,10 +52,11 @@ KNOWS = {
 ALLOWED = [
     ("src/io/xdmf/", "src/io/vtk/", "XDMF's cells and numbers are VTK's"),
     ("tools/job/output", "src/io/file/", "names of the files of a mesh"),
-    ("tools/job/worst", "src/geometry/", "angles"),
+    ("tools/job/angles", "src/geometry/", "angles"),
     ("tools/job/curved", "src/geometry/", "facets of a type"),
     ("tools/report/drawn_surface", "src/topology/", "facets"),
     ("tools/report/drawn_surface", "src/geometry/", "facets of a type"),
+    ("tools/report/drawn_inside", "src/geometry/", "facets of a type"),
     ("tools/mpi/slides", "src/topology/", "facets"),
     ("tools/mpi/plexrows", "src/io/", "where coordinates stand in HDF5"),
 ]

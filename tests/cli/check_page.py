@@ -13,7 +13,7 @@ import mesh_file
 
 VOID = {"meta", "input", "br", "link"}
 REFERENCES = {"src", "href", "srcset", "action", "poster", "data"}
-LARGEST = 5000000  # bytes that a page may have
+LARGEST = 3000000  # bytes that a page may have
 
 
 class Page(html.parser.HTMLParser):
@@ -87,6 +87,13 @@ def is_worse(result):
                for key, sign in signs.items() if None not in (before[key], after[key]))
 
 
+def shown_counts(result, name, counts):
+    """Those of a histogram's bins; angles of triangles end at 60 degrees."""
+    if name != "angle_histogram" or result["mesh"]["dimension"] == 3:
+        return counts
+    return counts[:11] + [sum(counts[11:])]
+
+
 def check_figures(page, result):
     text = page.text()
     states = [result[key] for key in ("before", "after", "quality") if key in result]
@@ -105,7 +112,7 @@ def check_figures(page, result):
     assert bool(shaded) == bool(phases - {"smooth"}), "phases %s, shaded %s" % (phases, shaded)
     rects = [a for tag, a in page.attributes if tag == "rect" and "bar" in a.get("class", "")]
     bars = sum(count > 0 for state in states for name in ("histogram", "angle_histogram")
-               for count in state[name]["counts"])
+               for count in shown_counts(result, name, state[name]["counts"]))
     assert len(rects) == bars, "%d bars for %d bins" % (len(rects), bars)
 
 
@@ -158,15 +165,41 @@ def check_bad(picture, state, mesh):
         assert tuple(round(x, 4) for x in corners[i:i + mesh.dim]) in places
 
 
-def check_ratios(drawn, mesh):
-    """Radius ratios of all triangles, in steps of a fiftieth of their logarithm; 0: inverted."""
-    assert len(drawn) == len(mesh.elements)
-    for step, t in zip(drawn, mesh_file.corners(mesh)):
+def code_of(value, edges, codes):
+    """The code of a value: its bin, and the place in it."""
+    i = max(k for k, edge in enumerate(edges[:-1]) if value >= edge or k == 0)
+    place = 1 - edges[i] / value if edges[i + 1] is None else \
+        (value - edges[i]) / (edges[i + 1] - edges[i])
+    n = codes // (len(edges) - 1)
+    return 1 + i * n + min(max(math.floor(place * n), 0), n - 1)
+
+
+def check_ratios(picture, drawn, mesh):
+    """Codes of the radius ratios of all triangles; 0: inverted."""
+    measure = picture["measures"][0]
+    assert measure["key"] == "histogram"
+    assert len(drawn) == len(picture["measures"]) * len(mesh.elements)
+    for code, t in zip(drawn, mesh_file.corners(mesh)):
         if mesh_file.volume(t) <= 0:
-            assert step == 0, "an inverted triangle is drawn as valid"
+            assert code == 0, "an inverted triangle is drawn as valid"
         else:
-            ratio = min(mesh_file.radius_ratio(t), math.exp(254 / 50))
-            assert abs(math.log(ratio) * 50 + 0.5 - step) < 0.6, (step, ratio)
+            wanted = code_of(mesh_file.radius_ratio(t), measure["edges"], picture["codes"])
+            assert abs(wanted - code) <= 1, (code, wanted)
+
+
+def check_inside(picture, state, mesh):
+    """All elements inside are drawn, with the codes of their radius ratios, or a sample and cubes."""
+    measures, codes = picture["measures"], unpack(state["inside_codes"], "B")
+    n = -(-len(mesh.elements) // picture["stride"])
+    assert len(codes) == len(measures) * n
+    corners = unpack(picture["inside_corners"], "H" if picture["inside_bits"] == 16 else "I")
+    assert len(corners) == 4 * n
+    orientation = math.copysign(1, sum(map(mesh_file.volume, mesh_file.corners(mesh))))
+    for code, t in zip(codes, itertools.islice(mesh_file.corners(mesh), 0, None, picture["stride"])):
+        wanted = 0 if orientation * mesh_file.volume(t) <= 0 else code_of(
+            mesh_file.radius_ratio(t), measures[0]["edges"], picture["codes"])
+        assert abs(wanted - code) <= 1, (code, wanted)
+    assert ("cubes" in state) == (picture["stride"] > 1)
 
 
 def check_picture(page, files):
@@ -177,7 +210,9 @@ def check_picture(page, files):
         check_surface(picture, state, mesh)
         check_bad(picture, state, mesh)
         if mesh.dim == 2:
-            check_ratios(unpack(state["ratios"], "B"), mesh)
+            check_ratios(picture, unpack(state["codes"], "B"), mesh)
+        else:
+            check_inside(picture, state, mesh)
 
 
 def main():

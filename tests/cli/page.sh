@@ -88,9 +88,9 @@ text = open(sys.argv[1]).read()
 text = text[text.index('id="picture-data">') + len('id="picture-data">'):]
 picture = json.loads(text[:text.index("</script>")])
 drawn = len(base64.b64decode(picture["triangles"])) * 8 // picture["index_bits"] // 3
-assert picture["coarse"] and 30000 < drawn <= 100000 < picture["elements"], drawn
+assert picture["coarse"] and 15000 < drawn <= 40000 < picture["elements"], drawn
 for state in picture["states"]:
-    assert len(base64.b64decode(state["ratios"])) == drawn
+    assert len(base64.b64decode(state["codes"])) == drawn * len(picture["measures"])
     assert len(base64.b64decode(state["bad_ratios"])) == 4 * 4000
 END
 

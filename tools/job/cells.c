@@ -272,18 +272,23 @@ int64_t pl_validity_faults(const pl_validity *validity, const planish_quality *q
     return validity->is_known ? all->n_inverted + all->n_uncertified : quality->n_inverted;
 }
 
-int pl_cells_measure_elements(const pl_job *job, double *ratio, planish_error *error) {
+int pl_cells_measure_values(const pl_job *job, const planish_cell_values *values,
+                            planish_error *error) {
     planish_cell_quality quality;
+    return measure(job, job->mesh.cells, &quality, NULL, values, error);
+}
+
+int pl_cells_measure_elements(const pl_job *job, double *ratio, planish_error *error) {
     const int64_t n = job->mesh.n_elements;
     if (job->has_types) {
         const planish_cell_values of = {.aspect_ratio = ratio};
-        return measure(job, job->mesh.cells, &quality, NULL, &of, error);
+        return pl_cells_measure_values(job, &of, error);
     }
     int code = job->engine->measure_elements(job, ratio, error);
     if (code || !job->mesh.cells)
         return code;
     const planish_cell_values values = {.state = malloc((size_t)n + 1)};
-    code = values.state ? measure(job, job->mesh.cells, &quality, NULL, &values, error)
+    code = values.state ? pl_cells_measure_values(job, &values, error)
                         : pl_fail_memory(error, "states of elements");
     for (int64_t i = 0; i < n && !code; i++)
         ratio[i] = values.state[i] == PLANISH_CELL_STATE_VALID ? ratio[i] : 0;

@@ -3,6 +3,7 @@
  *     pl_cells_measure, _free     their quality, where some are no straight simplices
  *     pl_validity_find, _free     which elements are valid, where not all are straight simplices
  *     pl_cells_measure_elements   radius ratios
+ *     pl_cells_measure_values     other values of elements
  *     pl_cells_convert            a copy for viewing, with their measures
  *     pl_cells_rounding           how far off rounding takes nodes
  *     pl_cells_count              their number by type, as text
@@ -65,6 +66,10 @@ int64_t pl_validity_faults(const pl_validity *validity, const planish_quality *q
  *  where job->has_types; 0: the element is inverted, perhaps by its mid-side nodes. Returns a
  *  planish_status. */
 int pl_cells_measure_elements(const pl_job *job, double *ratio, planish_error *error);
+
+/** Fill values for the elements of job->mesh, which has cells. Returns a planish_status. */
+int pl_cells_measure_values(const pl_job *job, const planish_cell_values *values,
+                            planish_error *error);
 
 /** Write a copy of the mesh as it is now for viewing, with the measures of all elements, and say what
  *  it lacks. Returns 0, or an exit status after a message. */

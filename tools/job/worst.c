@@ -1,9 +1,8 @@
 /* worst: the worst elements of a mesh, for lists and pictures. */
 #include "job/worst.h"
 
+#include "job/angles.h"
 #include "terminal/message.h"
-
-#include "geometry/angle.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -86,47 +85,6 @@ static int select_cells(const pl_job *job, const pl_cells *cells, int64_t n, pl_
 /* ---- what there is to know of them --------------------------------------------------------------
  */
 
-static const double DEGREES = 57.295779513082320877; /* of a radian */
-
-/** The angles, which do not depend on the sign of the measure. Edges are scaled to about 1, so that
- *  nothing overflows. */
-static void find_angles(int dim, const double *const vertex[], pl_bad_element *bad) {
-    double edges[3][3] = {{0}}, largest = 0;
-    pl_edges(dim, vertex, edges);
-    for (int i = 0; i < dim; i++)
-        for (int d = 0; d < dim; d++)
-            largest = fmax(largest, fabs(edges[i][d]));
-    for (int i = 0; i < dim; i++)
-        for (int d = 0; d < dim; d++)
-            edges[i][d] /= largest;
-    const pl_shape shape = pl_shape_of_edges(dim, edges);
-    const int is_known = shape.determinant != 0 && shape.smallest_cosine <= shape.largest_cosine;
-    bad->smallest_angle_deg = is_known ? pl_smallest_angle(&shape) * DEGREES : NAN;
-    bad->largest_angle_deg = is_known ? pl_largest_angle(&shape) * DEGREES : NAN;
-}
-
-/** Find the same of a triangle in space, which is laid out in its plane. */
-static void find_angles_in_space(const double *const vertex[], pl_bad_element *bad) {
-    double u[3], v[3], uu = 0, uv = 0, largest = 0;
-    for (int d = 0; d < 3; d++) {
-        u[d] = vertex[1][d] - vertex[0][d];
-        v[d] = vertex[2][d] - vertex[0][d];
-        largest = fmax(largest, fmax(fabs(u[d]), fabs(v[d])));
-    }
-    for (int d = 0; d < 3; d++) {
-        u[d] /= largest;
-        v[d] /= largest;
-        uu += u[d] * u[d];
-        uv += u[d] * v[d];
-    }
-    const double n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2],
-                         u[0] * v[1] - u[1] * v[0]};
-    const double length = sqrt(uu), height = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) / length;
-    const double flat[3][2] = {{0, 0}, {length, 0}, {uv / length, height}};
-    const double *const at[] = {flat[0], flat[1], flat[2]};
-    find_angles(2, at, bad);
-}
-
 /** Find the tag of the region of an element; region: the file's regions, or NULL. Each tag is asked
  *  for once: that takes time. 0, or -1 without memory. */
 static int find_region(const pl_job *job, const int32_t *region, pl_worst *worst,
@@ -198,10 +156,12 @@ static void place(const pl_job *job, const pl_cells *cells, const uint8_t *is_fr
             bad->place[d] += at[d] / n_present;
     }
     bad->smallest_angle_deg = bad->largest_angle_deg = NAN;
-    if (!cells && job->is_surface)
-        find_angles_in_space(vertex, bad);
-    else if (!cells)
-        find_angles(dim, vertex, bad);
+    if (!cells) {
+        const pl_angles angles =
+            job->is_surface ? pl_angles_find_in_space(vertex) : pl_angles_find(dim, vertex);
+        bad->smallest_angle_deg = angles.smallest;
+        bad->largest_angle_deg = angles.largest;
+    }
 }
 
 /** Find the n worst elements with all that there is to know of them. */

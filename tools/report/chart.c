@@ -90,12 +90,18 @@ static void put_bar(pl_markup *page, const pl_histogram *h, int series, int bin,
     pl_markup_put(page, "</title></rect>\n");
 }
 
+pl_chart_frame pl_chart_frame_of_bins(void) {
+    return (pl_chart_frame){LEFT, WIDTH - RIGHT};
+}
+
 void pl_chart_histogram(pl_markup *page, const pl_histogram *h) {
     double most = 10;
     for (int s = 0; s < h->n_series; s++)
         for (int i = 0; i < h->n_bins; i++)
             most = fmax(most, h->count[s][i]);
     begin_drawing(page, h->title);
+    pl_markup_put(page, "<rect class=\"mark\" y=\"%d\" width=\"0\" height=\"%.0f\"/>\n", TOP,
+                  FRAME_HEIGHT); /* the bins that are chosen */
     for (double tick = 1; tick <= most; tick *= 10)
         put_y_tick(page, FOOT - bar_height(tick, most), tick, DIGITS);
     for (int s = 0; s < h->n_series; s++)

@@ -5,6 +5,7 @@
  * in words by its title, and in figures by a table that the page puts beside it.
  *
  *     pl_chart_histogram, pl_chart_curves
+ *     pl_chart_frame_of_bins
  */
 #ifndef PL_REPORT_CHART_H
 #define PL_REPORT_CHART_H
@@ -23,6 +24,13 @@ typedef struct pl_histogram {
     const double *count[PL_CHART_MOST_SERIES]; /* [n_bins] each */
     const char *name[PL_CHART_MOST_SERIES];
 } pl_histogram;
+
+/** Where the bins are in the drawing: from and to, in units of its view box. */
+typedef struct pl_chart_frame {
+    int from, to;
+} pl_chart_frame;
+
+pl_chart_frame pl_chart_frame_of_bins(void);
 
 /** Draw it; heights are logarithms of the counts, so that the few bad ones show beside the many. */
 void pl_chart_histogram(pl_markup *page, const pl_histogram *histogram);

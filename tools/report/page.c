@@ -68,6 +68,7 @@ static void put_moved(pl_markup *page, const pl_figures *figures, const cJSON *m
     pl_markup_put(page,
                   figures->is_compared ? " nodes are elsewhere, by up to " : " nodes by up to ");
     pl_markup_put_real(page, pl_figure(figures->result, "max_displacement"));
+    pl_markup_put(page, " (units of the file)");
 }
 
 /** Put what smoothing took. */
@@ -93,10 +94,17 @@ static void put_change(pl_markup *page, const pl_figures *figures, const cJSON *
         put_work(page, figures->result);
     pl_markup_put(page, ". ");
     if (before == after)
-        pl_markup_put(page, "The RMS of the %s ratios stayed at %.5g.", ratios, after);
-    else if (isfinite(before) && isfinite(after))
-        pl_markup_put(page, "The RMS of the %s ratios %s from %.5g to %.5g.", ratios,
-                      after < before ? "fell" : "rose", before, after);
+        pl_markup_put(page, "The RMS of the %s ratios stayed at ", ratios);
+    else if (isfinite(before) && isfinite(after)) {
+        pl_markup_put(page, "The RMS of the %s ratios %s from ", ratios,
+                      after < before ? "fell" : "rose");
+        pl_markup_put_real(page, before);
+        pl_markup_put(page, " to ");
+    }
+    if (isfinite(before) && isfinite(after)) {
+        pl_markup_put_real(page, after);
+        pl_markup_put(page, ".");
+    }
     if (inverted > 0) {
         pl_markup_put(page, inverted == 1 ? " There was " : " There were ");
         pl_markup_put_number_of(page, inverted, "inverted element", "inverted elements");
@@ -224,15 +232,12 @@ static void put_summary(pl_markup *page, const pl_figures *figures) {
 
 /* ---- the picture ---------------------------------------------------------------------------- */
 
-/** Put the place of a view, with a description for those who do not see the picture. */
-static void put_view(pl_markup *page, const pl_figures *figures, const char *name) {
+/** Put what a state of the picture shows, for those who do not see it. */
+static void put_label(pl_markup *page, const pl_figures *figures, const char *name) {
     const cJSON *state = cJSON_GetObjectItemCaseSensitive(figures->result, name);
     const char *ratio = figures->has_types ? "aspect" : "radius";
-    const char *shown = figures->n_states == 2 ? name : "";
     state = state ? state : pl_figures_last(figures);
-    pl_markup_put(page, "<figure><div class=\"view\" data-label=\"%s the mesh%s%s: worst %s ratio ",
-                  figures->is_solid ? "The surface and the bad elements of" : "The elements of",
-                  shown[0] ? " " : "", shown, ratio);
+    pl_markup_put(page, "%s: worst %s ratio ", figures->n_states == 2 ? name : "mesh", ratio);
     pl_markup_put_real(
         page, pl_figure(state, figures->has_types ? "max_aspect_ratio" : "max_radius_ratio"));
     pl_markup_put(page, ", RMS ");
@@ -240,49 +245,115 @@ static void put_view(pl_markup *page, const pl_figures *figures, const char *nam
         page, pl_figure(state, figures->has_types ? "rms_aspect_ratio" : "rms_radius_ratio"));
     pl_markup_put(page, ", inverted ");
     pl_markup_put_count(page, pl_figure_count(state, "inverted"));
-    pl_markup_put(page,
-                  "\"><p class=\"fallback\">The picture needs JavaScript and WebGL.</p></div>"
-                  "<figcaption>%s%s<span class=\"count\"></span></figcaption></figure>\n",
-                  shown, shown[0] ? ": " : "");
+    pl_markup_put(page, ". ");
 }
 
-static void put_views(pl_markup *page, const pl_figures *figures, const pl_picture *picture) {
+/** Put the place of the view, with still pictures until the viewer takes it. */
+static void put_view(pl_markup *page, const pl_figures *figures, const pl_picture *picture) {
+    const int n = pl_picture_n_states(picture);
+    pl_markup_put(page, "<figure class=\"mesh\"><div class=\"view\" data-label=\"%s. ",
+                  figures->is_solid ? "The surface of the mesh and elements inside"
+                                    : "The elements of the mesh");
+    for (int s = 0; s < n; s++)
+        put_label(page, figures, pl_picture_state_name(picture, s));
+    pl_markup_put(page, "\">\n<div class=\"stills\">");
+    for (int s = 0; s < n; s++)
+        pl_picture_put_still(page, picture, s,
+                             n == 2 ? pl_picture_state_name(picture, s) : "the mesh");
+    pl_markup_put(page, "</div>\n");
+    if (n == 2)
+        pl_markup_put(page,
+                      "<span class=\"on-view left\" hidden>%s</span>"
+                      "<span class=\"on-view right\" hidden>%s</span>"
+                      "<div class=\"on-view divider-line\" hidden></div>"
+                      "<input type=\"range\" class=\"on-view divider\" min=\"0\" max=\"100\" "
+                      "value=\"50\" aria-label=\"divider between %s (left) and %s (right)\" "
+                      "hidden>\n",
+                      pl_picture_state_name(picture, 0), pl_picture_state_name(picture, 1),
+                      pl_picture_state_name(picture, 0), pl_picture_state_name(picture, 1));
+    pl_markup_put(page, "</div>\n<p class=\"fallback quiet\">The picture is a still one: one that "
+                        "turns needs JavaScript and WebGL.</p><figcaption hidden>");
+    for (int s = 0; s < n; s++)
+        pl_markup_put(page, "<p>%s%s<span class=\"count\"></span></p>",
+                      figures->n_states == 2 ? pl_picture_state_name(picture, s) : "",
+                      figures->n_states == 2 ? ": " : "");
+    pl_markup_put(page, "</figcaption></figure>\n");
+}
+
+static void put_help(pl_markup *page, const pl_figures *figures, const pl_picture *picture) {
     int64_t n_all, n_drawn;
+    pl_markup_put(page, "<details class=\"help\" hidden><summary>How to use the picture</summary>"
+                        "<p id=\"picture-help\">");
     pl_markup_put(
-        page, "<p class=\"quiet help\" id=\"picture-help\" hidden>%s",
+        page, "%s",
         figures->is_solid
-            ? "The picture shows the surface of the mesh, and the elements that are worse than a "
-              "ratio of your choice. Drag to turn the mesh; drag with the right button to "
-              "move it; click it and use the wheel to zoom. On a touch screen tap it first: one "
-              "finger turns, two move and zoom. Keys: arrows, + and \xE2\x88\x92; 0 shows all."
-            : "The colour of each element is its ratio. Drag to move the mesh; click it "
-              "and use the wheel to zoom. On a touch screen tap it first, then move and zoom it "
-              "with fingers. Keys: arrows, + and \xE2\x88\x92; 0 shows all.");
+            ? "Drag to turn the mesh; drag with the right button to move it; click it and "
+              "use the wheel to zoom. On a touch screen tap it first: one finger turns, "
+              "two move and zoom. Keys: arrows, + and \xE2\x88\x92; 0 shows all."
+            : "Drag to move the mesh; click it and use the wheel to zoom. On a touch "
+              "screen tap it first, then move and zoom it with fingers. Keys: arrows, + "
+              "and \xE2\x88\x92; 0 shows all.");
+    pl_markup_put(page, " Drag over a histogram to see its elements here.</p>");
+    pl_markup_put(page, "<p>");
     if (pl_figures_have_mids(figures))
-        pl_markup_put(page, " The picture has no mid-side nodes.");
+        pl_markup_put(page, "The picture has no mid-side nodes. ");
     pl_picture_count(picture, &n_all, &n_drawn);
     if (n_drawn < n_all) {
-        pl_markup_put(page, " The picture is coarse: it has ");
+        pl_markup_put(page, "The picture is coarse: it has ");
         pl_markup_put_count(page, n_drawn);
         pl_markup_put(page, " of %s ", figures->is_solid ? "the surface's" : "all");
         pl_markup_put_count(page, n_all);
         pl_markup_put(page, " triangles. Bad elements are drawn exactly.");
     }
+    pl_markup_put(page, "</p></details>\n");
+}
+
+/** Put the controls of the cut, and what it shows. */
+static void put_cut(pl_markup *page, const pl_picture *picture) {
+    const int64_t stride = pl_picture_stride(picture);
+    if (stride == 0)
+        return;
     pl_markup_put(page,
-                  "</p>\n<div class=\"controls\" hidden>\n<label>elements worse than <input "
-                  "type=\"range\" min=\"0\" max=\"100\" step=\"0.5\"> <output></output></label>\n"
-                  "<label><input type=\"checkbox\"> mesh lines</label>\n%s"
-                  "<button type=\"button\">whole mesh</button>\n</div>\n<div class=\"views\">\n",
-                  pl_picture_has_features(picture)
-                      ? "<label><input type=\"checkbox\" class=\"features\"> patches in colours, "
-                        "<i class=\"curve\"></i>curves, <i class=\"corner\"></i>corners</label>\n"
-                      : "");
-    for (int s = 0; s < pl_picture_n_states(picture); s++)
-        put_view(page, figures, pl_picture_state_name(picture, s));
-    pl_markup_put(page,
-                  "</div>\n<p class=\"colours\" hidden>%s ratio: </p>\n"
-                  "<script type=\"application/json\" id=\"picture-data\">\n",
-                  figures->has_types ? "aspect" : "radius");
+                  "<label>cut across <select class=\"cut-axis\"><option value=\"\">nothing"
+                  "</option></select></label><input type=\"range\" class=\"cut-place\" min=\"0\" "
+                  "max=\"200\" value=\"100\" aria-label=\"place of the cut\" hidden>"
+                  "<span class=\"cut-text\" hidden></span>\n<p class=\"cut-note quiet\" hidden>");
+    if (stride == 1)
+        pl_markup_put(page, "The cut shows the elements that it goes through.");
+    else {
+        pl_markup_put(page, "The cut shows cubes, each in the colour of the worst element in it. "
+                            "Histograms show bad elements, and of all others 1 of ");
+        pl_markup_put_count(page, stride);
+        pl_markup_put(page, ".");
+    }
+    pl_markup_put(page, "</p>\n");
+}
+
+static void put_controls(pl_markup *page, const pl_picture *picture) {
+    const int is_pair = pl_picture_n_states(picture) == 2;
+    pl_markup_put(
+        page,
+        "<div class=\"controls\" hidden>\n<label>elements worse than <input "
+        "type=\"range\" class=\"worse\" min=\"0\" max=\"100\" step=\"0.5\"> <output "
+        "class=\"worse-text\"></output></label>\n"
+        "<label>colour by <select class=\"measure\"></select></label>\n"
+        "<label><input type=\"checkbox\" class=\"lines\"> mesh lines</label>\n%s%s"
+        "<button type=\"button\" class=\"whole\">whole mesh</button>\n",
+        is_pair ? "<label><input type=\"checkbox\" class=\"apart\"> side by side</label>\n" : "",
+        pl_picture_has_features(picture)
+            ? "<label><input type=\"checkbox\" class=\"features\"> patches in colours, "
+              "<i class=\"curve\"></i>curves, <i class=\"corner\"></i>corners</label>\n"
+            : "");
+    put_cut(page, picture);
+    pl_markup_put(page, "</div>\n");
+}
+
+static void put_views(pl_markup *page, const pl_figures *figures, const pl_picture *picture) {
+    put_controls(page, picture);
+    put_view(page, figures, picture);
+    pl_markup_put(page, "<p class=\"colours\" hidden></p>\n");
+    put_help(page, figures, picture);
+    pl_markup_put(page, "<script type=\"application/json\" id=\"picture-data\">\n");
     pl_picture_put(page, picture);
     pl_markup_put(page, "\n</script>\n");
 }
@@ -315,6 +386,8 @@ static void put_viewer(pl_markup *page, const pl_picture *picture) {
     pl_markup_put(page, "\n</script>\n<script>\n");
     put_asset(page, &pl_asset_controls_js);
     pl_markup_put(page, "\n</script>\n<script>\n");
+    put_asset(page, &pl_asset_viewer_data_js);
+    pl_markup_put(page, "</script>\n<script>\n");
     put_asset(page, &pl_asset_viewer_js);
     pl_markup_put(page, "</script>\n");
 }
@@ -344,8 +417,8 @@ void pl_page_make(pl_markup *page, const pl_figures *figures, const pl_picture *
     put_summary(page, figures);
     pl_page_put_measures(page, figures);
     put_picture(page, figures, picture, no_picture);
-    pl_page_put_worst(page, figures);
     pl_page_put_histograms(page, figures);
+    pl_page_put_worst(page, figures);
     pl_page_put_convergence(page, figures);
     pl_page_put_surface(page, figures);
     pl_page_put_run(page, figures);

@@ -2,6 +2,7 @@
 #include "report/chart.h"
 #include "report/page.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -36,6 +37,18 @@ static int read_bins(const pl_figures *figures, const char *key, bins *b) {
     return 1;
 }
 
+/* Degrees: no triangle has a larger smallest angle. */
+static const double LARGEST_IN_TRIANGLE = 60;
+
+/** Let the bins end at a value: elements of later bins, to which rounding took them, are of the last. */
+static void end_bins(bins *b, double end) {
+    while (b->n > 1 && b->edges[b->n - 1] >= end) {
+        b->n--;
+        for (int s = 0; s < 2; s++)
+            b->count[s][b->n - 1] += b->count[s][b->n];
+    }
+}
+
 /** Put the bins as a table. */
 static void put_bins_table(pl_markup *page, const pl_figures *figures, const bins *b) {
     pl_markup_put(page,
@@ -58,11 +71,39 @@ static void put_bins_table(pl_markup *page, const pl_figures *figures, const bin
     pl_markup_put(page, "</tbody></table></div></details>\n");
 }
 
+/** Put what the viewer needs to show the elements of bins. */
+static void put_brush_data(pl_markup *page, const pl_figures *figures, const char *key,
+                           const bins *b) {
+    const pl_chart_frame frame = pl_chart_frame_of_bins();
+    pl_markup_put(page, " data-measure=\"%s\" data-frame=\"%d,%d\" data-counts=\"", key, frame.from,
+                  frame.to);
+    for (int s = 0; s < figures->n_states; s++)
+        for (int i = 0; i < b->n; i++)
+            pl_markup_put(page, "%s%" PRId64,
+                          i   ? ","
+                          : s ? ";"
+                              : "",
+                          pl_figure_whole(b->count[s][i]));
+    pl_markup_put(page, "\"");
+}
+
+/** Put the lists by which bins are chosen, which the viewer fills. */
+static void put_brush(pl_markup *page, const char *title) {
+    pl_markup_put(
+        page,
+        "<div class=\"controls brush\" hidden>show elements from <select "
+        "aria-label=\"%s from\"></select> to <select aria-label=\"%s to\"></select> in the "
+        "picture <button type=\"button\" disabled>all</button></div>\n",
+        title, title);
+}
+
 static void put_histogram(pl_markup *page, const pl_figures *figures, const char *key,
                           const char *title, const char *axis) {
     bins b;
     if (!read_bins(figures, key, &b))
         return;
+    if (!figures->is_solid && strcmp(key, "angle_histogram") == 0)
+        end_bins(&b, LARGEST_IN_TRIANGLE);
     const pl_histogram histogram = {.title = title,
                                     .axis = axis,
                                     .edges = b.edges,
@@ -70,9 +111,11 @@ static void put_histogram(pl_markup *page, const pl_figures *figures, const char
                                     .n_series = figures->n_states,
                                     .count = {b.count[0], b.count[1]},
                                     .name = {figures->name[0], figures->name[1]}};
-    pl_markup_put(page, "<figure%s><h3>%s</h3>\n", figures->n_states == 1 ? " class=\"only\"" : "",
-                  title);
+    pl_markup_put(page, "<figure%s", figures->n_states == 1 ? " class=\"only\"" : "");
+    put_brush_data(page, figures, key, &b);
+    pl_markup_put(page, "><h3>%s</h3>\n", title);
     pl_chart_histogram(page, &histogram);
+    put_brush(page, title);
     put_bins_table(page, figures, &b);
     pl_markup_put(page, "</figure>\n");
 }
@@ -194,11 +237,13 @@ static void put_inverted(pl_markup *page, const history *h) {
 static void put_history_table(pl_markup *page, const history *h) {
     enum { MOST_ROWS = 200 };
     const int64_t stride = h->n / MOST_ROWS + 1;
-    pl_markup_put(page, "<details><summary>Figures</summary><div class=\"scroll\"><table><thead>"
-                        "<tr><th scope=\"col\">sweep</th><th scope=\"col\" class=\"word\">phase"
-                        "</th><th scope=\"col\">seconds</th><th scope=\"col\">RMS</th><th "
-                        "scope=\"col\">RMS, free nodes</th><th scope=\"col\">inverted</th></tr>"
-                        "</thead><tbody>\n");
+    pl_markup_put(
+        page,
+        "<details><summary>Figures</summary><div class=\"scroll\"><table class=\"many\"><thead>"
+        "<tr><th scope=\"col\">sweep</th><th scope=\"col\" class=\"word\">phase"
+        "</th><th scope=\"col\">seconds</th><th scope=\"col\">RMS</th><th "
+        "scope=\"col\">RMS, free nodes</th><th scope=\"col\">inverted</th></tr>"
+        "</thead><tbody>\n");
     for (int64_t i = 0; i < h->n; i++) {
         if (i % stride != 0 && i != h->n - 1)
             continue;

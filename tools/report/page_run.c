@@ -6,6 +6,13 @@
 
 /* ---- time and machine ----------------------------------------------------------------------- */
 
+/** Put the row of a step. */
+static void put_time(pl_markup *page, const char *name, double seconds, double total) {
+    pl_markup_put(page, "<tr><th scope=\"row\"><i></i>%s</th><td>", name);
+    pl_markup_put_real(page, seconds);
+    pl_markup_put(page, " s</td><td>%.0f&#8239;%%</td></tr>\n", 100 * seconds / total);
+}
+
 /** Put a bar and a table of the steps that took time; the last one is what remains of the total. */
 static void put_times(pl_markup *page, const cJSON *seconds) {
     static const char *const keys[] = {"read", "shape", "setup", "smooth", "write", NULL};
@@ -26,18 +33,14 @@ static void put_times(pl_markup *page, const cJSON *seconds) {
             pl_markup_put(page, "<span style=\"flex:%.6g\" title=\"%s\"></span>",
                           100 * time[i] / total, names[i]);
     pl_markup_put(page, "</div>\n<div class=\"scroll\"><table><thead><tr><th scope=\"col\">phase"
-                        "</th><th scope=\"col\">seconds</th><th scope=\"col\">share</th></tr>"
+                        "</th><th scope=\"col\">time</th><th scope=\"col\">share</th></tr>"
                         "</thead><tbody>\n");
     for (int i = 0; i < N; i++)
         if (time[i] > 0)
-            pl_markup_put(page,
-                          "<tr><th scope=\"row\"><i></i>%s</th><td>%.3g</td><td>%.0f&#8239;%%"
-                          "</td></tr>\n",
-                          names[i], time[i], 100 * time[i] / total);
-    pl_markup_put(page,
-                  "<tr class=\"main\"><th scope=\"row\">total</th><td>%.3g</td><td></td></tr>\n"
-                  "</tbody></table></div>\n",
-                  total);
+            put_time(page, names[i], time[i], total);
+    pl_markup_put(page, "<tr class=\"main\"><th scope=\"row\">total</th><td>");
+    pl_markup_put_real(page, total);
+    pl_markup_put(page, " s</td><td></td></tr>\n</tbody></table></div>\n");
 }
 
 /** Put a row, if there is a value. */

@@ -91,6 +91,12 @@ static void put_angle(pl_markup *page, double degrees) {
         pl_markup_put_real(page, degrees);
 }
 
+/** Put an angle with its unit. */
+static void put_degrees(pl_markup *page, double degrees) {
+    put_angle(page, degrees);
+    pl_markup_put(page, isfinite(degrees) ? "°" : "");
+}
+
 static void put_value(pl_markup *page, const measure *m, const cJSON *state) {
     const double value = pl_figure(state, m->key);
     pl_markup_put(page, "<td>");
@@ -229,8 +235,9 @@ static void put_spreads(pl_markup *page, const pl_figures *figures) {
         {"smallest_angle_deg", "smallest angle of each, degrees"},
         {"largest_angle_deg", "largest angle of each, degrees"}};
     static const char *const parts[] = {"min", "mean", "max"};
-    pl_markup_put(page, "<details><summary>All measures</summary><div class=\"scroll\"><table>"
-                        "<thead><tr><th scope=\"col\">over the elements</th>");
+    pl_markup_put(
+        page, "<details><summary>All measures</summary><div class=\"scroll\"><table class=\"many\">"
+              "<thead><tr><th scope=\"col\">over the elements</th>");
     for (int s = 0; s < figures->n_states; s++)
         for (int p = 0; p < 3; p++)
             pl_markup_put(page, "<th scope=\"col\">%s, %s</th>", figures->name[s], parts[p]);
@@ -274,34 +281,50 @@ static void put_table(pl_markup *page, const pl_figures *figures, const measure 
     pl_markup_put(page, "</tbody></table></div>\n");
 }
 
-/** Put the measures of elements of every type, and of each type. */
+enum { MOST_TYPES = 64 }; /* columns */
+
+/** Put a row: a measure of each type. */
+static void put_measure_of_types(pl_markup *page, const measure *m, const cJSON *by_type) {
+    const cJSON *of;
+    int n = 0;
+    pl_markup_put(page, "<tr><th scope=\"row\">%s</th>", m->solid);
+    cJSON_ArrayForEach(of, by_type) {
+        if (n++ < MOST_TYPES)
+            put_value(page, m, of);
+    }
+    pl_markup_put(page, "</tr>\n");
+}
+
+/** Put the measures of elements of every type, and of each type in a column. */
 static void put_types(pl_markup *page, const pl_figures *figures) {
-    enum { MOST_TYPES = 64 };
     const cJSON *state = pl_figures_last(figures), *of;
+    const cJSON *by_type = cJSON_GetObjectItemCaseSensitive(state, "by_type");
     const cJSON *counts = cJSON_GetObjectItemCaseSensitive(state, "counts");
     int n = 0;
     put_table(page, figures, cell_measures, N_CELL_MEASURES);
-    pl_markup_put(page, "<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">type</th>"
-                        "<th scope=\"col\">elements</th>");
-    for (int i = 0; i < N_CELL_MEASURES; i++)
-        if (is_of_types(&cell_measures[i]))
-            pl_markup_put(page, "<th scope=\"col\">%s%s</th>", cell_measures[i].solid,
-                          figures->n_states == 2 ? ", after" : "");
-    pl_markup_put(page, "</tr></thead>\n<tbody>\n");
-    cJSON_ArrayForEach(of, cJSON_GetObjectItemCaseSensitive(state, "by_type")) {
+    pl_markup_put(page,
+                  "<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">by type%s</th>",
+                  figures->n_states == 2 ? ", after" : "");
+    cJSON_ArrayForEach(of, by_type) {
         if (n++ == MOST_TYPES)
             break;
-        const char *name = of->string ? of->string : "";
-        pl_markup_put(page, "<tr><th scope=\"row\">");
-        pl_markup_put_text(page, name);
-        pl_markup_put(page, "</th><td>");
-        pl_markup_put_count(page, pl_figure_count(counts, name));
-        pl_markup_put(page, "</td>");
-        for (int i = 0; i < N_CELL_MEASURES; i++)
-            if (is_of_types(&cell_measures[i]))
-                put_value(page, &cell_measures[i], of);
-        pl_markup_put(page, "</tr>\n");
+        pl_markup_put(page, "<th scope=\"col\">");
+        pl_markup_put_text(page, of->string ? of->string : "");
+        pl_markup_put(page, "</th>");
     }
+    pl_markup_put(page, "</tr></thead>\n<tbody>\n<tr><th scope=\"row\">elements</th>");
+    n = 0;
+    cJSON_ArrayForEach(of, by_type) {
+        if (n++ == MOST_TYPES)
+            break;
+        pl_markup_put(page, "<td>");
+        pl_markup_put_count(page, pl_figure_count(counts, of->string ? of->string : ""));
+        pl_markup_put(page, "</td>");
+    }
+    pl_markup_put(page, "</tr>\n");
+    for (int i = 0; i < N_CELL_MEASURES; i++)
+        if (is_of_types(&cell_measures[i]))
+            put_measure_of_types(page, &cell_measures[i], by_type);
     pl_markup_put(page, "</tbody></table></div>\n");
 }
 
@@ -361,7 +384,8 @@ static void put_element(pl_markup *page, const cJSON *element, int has_types) {
     } else {
         pl_markup_put(page, "</th>");
     }
-    pl_markup_put(page, "<td><button type=\"button\" hidden aria-label=\"show element ");
+    pl_markup_put(page,
+                  "<td class=\"show\"><button type=\"button\" hidden aria-label=\"show element ");
     pl_markup_put_digits(page, number, ALL);
     pl_markup_put(page, "\" data-place=\"");
     put_numbers(page, element, "place", ALL, ",");
@@ -372,17 +396,17 @@ static void put_element(pl_markup *page, const cJSON *element, int has_types) {
         pl_markup_put_real(page, pl_figure(element, ratio));
     if (!has_types) {
         pl_markup_put(page, "</td><td>");
-        put_angle(page, pl_figure(element, "min_angle_deg"));
+        put_degrees(page, pl_figure(element, "min_angle_deg"));
         pl_markup_put(page, "</td><td>");
-        put_angle(page, pl_figure(element, "max_angle_deg"));
+        put_degrees(page, pl_figure(element, "max_angle_deg"));
     }
-    pl_markup_put(page, "</td><td class=\"word\">%s</td><td class=\"word\">",
+    pl_markup_put(page, "</td><td class=\"word wide\">%s</td><td class=\"word wide\">",
                   cJSON_IsFalse(movable) ? "no" : "yes");
     put_numbers(page, element, "place", SOME, ", ");
-    pl_markup_put(page, "</td><td class=\"wrap\">");
+    pl_markup_put(page, "</td><td class=\"wrap wide\">");
     put_numbers(page, element, "nodes", ALL, " ");
     pl_markup_put(page, "</td>");
-    pl_markup_put(page, "<td class=\"word\">");
+    pl_markup_put(page, "<td class=\"word wide\">");
     pl_markup_put_text(page, pl_figure_text(element, "region"));
     pl_markup_put(page, "</td></tr>\n");
 }
@@ -392,15 +416,15 @@ static void put_bad_elements(pl_markup *page, const cJSON *state, int has_types)
     const cJSON *list = cJSON_GetObjectItemCaseSensitive(state, "worst_elements"), *element;
     pl_markup_put(page,
                   "<div class=\"scroll\"><table><thead><tr><th scope=\"col\">element</th>"
-                  "%s<th scope=\"col\">picture</th>%s",
+                  "%s<th scope=\"col\" class=\"show\">picture</th>%s",
                   has_types ? "<th scope=\"col\" class=\"word\">type</th>" : "",
                   has_types ? "<th scope=\"col\">aspect ratio</th>"
                             : "<th scope=\"col\">radius ratio</th><th scope=\"col\">smallest "
                               "angle</th><th scope=\"col\">largest</th>");
-    pl_markup_put(page, "<th scope=\"col\" class=\"word\">free node</th><th scope=\"col\" "
-                        "class=\"word\">middle</th><th scope=\"col\" "
-                        "class=\"word\">nodes</th><th scope=\"col\" "
-                        "class=\"word\">region</th></tr></thead><tbody>\n");
+    pl_markup_put(page, "<th scope=\"col\" class=\"word wide\">free node</th><th scope=\"col\" "
+                        "class=\"word wide\">middle</th><th scope=\"col\" "
+                        "class=\"word wide\">nodes</th><th scope=\"col\" "
+                        "class=\"word wide\">region</th></tr></thead><tbody>\n");
     int n = 0;
     cJSON_ArrayForEach(element, list) {
         if (n++ < MOST_ROWS)
@@ -420,8 +444,9 @@ void pl_page_put_worst(pl_markup *page, const pl_figures *figures) {
     if (!lists_elements(last))
         return;
     pl_markup_put(page, "<section id=\"worst\"><h2>Where the worst elements are</h2>\n"
-                        "<p class=\"quiet\">Numbers of elements and nodes are those of the file; "
-                        "angles are in degrees.</p>\n");
+                        "<p class=\"quiet\">Numbers of elements and nodes are those of the file, "
+                        "and middles are in its units.<span class=\"narrow\"> A wider window "
+                        "shows more columns.</span></p>\n");
     put_bad_elements(page, last, figures->has_types);
     if (figures->n_states == 2 && lists_elements(figures->state[0])) {
         pl_markup_put(page, "<details><summary>The worst before</summary>\n");

@@ -6,7 +6,7 @@
  *
  *     pl_picture_begin, _take, _free           a mesh, and its states
  *     pl_picture_fits, _n_states, _count       questions about it
- *     pl_picture_put                           the data for viewer.js
+ *     pl_picture_put, _put_still               the data for viewer.js; a picture without it
  */
 #ifndef PL_REPORT_PICTURE_H
 #define PL_REPORT_PICTURE_H
@@ -33,12 +33,18 @@ int pl_picture_take(pl_picture *picture, const pl_job *job, const char *name);
 /** Whether features of the surface are drawn: patches, curves and corners. */
 int pl_picture_has_features(const pl_picture *picture);
 
+/** Of how many solid elements one is drawn inside: 1: all are; 0: there are none. */
+int64_t pl_picture_stride(const pl_picture *picture);
+
 /** How many states the picture, which may be NULL, shows, and their names. */
 int pl_picture_n_states(const pl_picture *picture);
 const char *pl_picture_state_name(const pl_picture *picture, int i);
 
 /** Add what viewer.js draws, as JSON. */
 void pl_picture_put(pl_markup *page, const pl_picture *picture);
+
+/** Add state i as a still picture under a title. */
+void pl_picture_put_still(pl_markup *page, const pl_picture *picture, int i, const char *title);
 
 /** Triangles of the surface, and of these how many are drawn. */
 void pl_picture_count(const pl_picture *picture, int64_t *n_all, int64_t *n_drawn);
