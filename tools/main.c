@@ -18,8 +18,10 @@ static const char *with(planish_feature feature) {
 }
 
 static int print_version(void) {
-    printf("planish %s\nSmooths meshes of tetrahedra and triangles.\nBSD 3-clause licence; there "
-           "is no warranty.\nBuilt %s OpenMP, %s hwloc, %s kernels for AVX2 and AVX-512.\n",
+    printf("planish %s\n"
+           "Smooths meshes of tetrahedra, triangles and other elements.\n"
+           "BSD 3-clause licence; there is no warranty.\n"
+           "Built %s OpenMP, %s hwloc, %s kernels for AVX2 and AVX-512.\n",
            planish_version(), with(PLANISH_FEATURE_OPENMP), with(PLANISH_FEATURE_HWLOC),
            with(PLANISH_FEATURE_X86_KERNELS));
     return pl_flush_stdout(PL_EXIT_DONE, PL_EXIT_FAILED);

@@ -107,9 +107,9 @@ static void wrong_files_are_refused(void **state) {
                   "v 0 0 0\nv 1 0 0\nf -1 -2 -3\n"
                   "v 1 1 0\n",
                   "no vertex -3: the file has 3, 2 of them");
-    reading_fails(f, SQUARE "f 1 2 99999999999999999999\n", "is no vertex");
-    reading_fails(f, SQUARE "f 1 2 x\n", "'x' is no vertex");
-    reading_fails(f, SQUARE "f 1 2 3/x\n", "'3/x' is no vertex");
+    reading_fails(f, SQUARE "f 1 2 99999999999999999999\n", "is not a vertex");
+    reading_fails(f, SQUARE "f 1 2 x\n", "'x' is not a vertex");
+    reading_fails(f, SQUARE "f 1 2 3/x\n", "'3/x' is not a vertex");
     reading_fails(f, "v 0 0\nv 1 0 0\n", "test:1: vertex 1: three coordinates");
     reading_fails(f, "v 0 0 0\nv 1 0 0x\n", "test:2: vertex 2");
     reading_fails(f, "v 0 0 0\nv 1 nan 0\n", "test:2: node 2 has a coordinate that is not finite");

@@ -483,11 +483,11 @@ static void files_of_others_are_not_taken_for_ours(void **state) {
     /* What would be read along with the output: */
     put(state, "b.vol", of_two);
     assert_int_equal(write_as(state, "b.node", &error), PLANISH_ERROR_FILE);
-    assert_non_null(strstr(error.text, "b.vol: is of another mesh"));
+    assert_non_null(strstr(error.text, "b.vol: belongs to another mesh"));
     unlink(test_path(path, *state, "b.vol"));
     put(state, "b.neigh", "7 4\n");
     assert_int_equal(write_as(state, "b.node", &error), PLANISH_ERROR_FILE);
-    assert_non_null(strstr(error.text, "b.neigh: is of another mesh"));
+    assert_non_null(strstr(error.text, "b.neigh: belongs to another mesh"));
     unlink(test_path(path, *state, "b.neigh"));
     /* What would not, stays: */
     put(state, "b.vol", netgen);
@@ -499,7 +499,7 @@ static void files_of_others_are_not_taken_for_ours(void **state) {
     /* and is not overwritten. */
     put(state, "a.poly", boundary);
     assert_int_equal(write_as(state, "b.node", &error), PLANISH_ERROR_FILE);
-    assert_non_null(strstr(error.text, "b.poly: is no such file of this mesh"));
+    assert_non_null(strstr(error.text, "b.poly: is not a file of this mesh"));
     check_file(state, "b.poly", source);
     put(state, "b.poly", "0 7 7 7\n");
     assert_int_equal(write_as(state, "b.node", &error), 0);

@@ -189,7 +189,7 @@ static void wrong_files_are_refused(void **state) {
         {HEAD FOUR "1 1 tet 1 2 3 -4\n", "no node -4"},
         {HEAD FOUR "1 1 tet 1 2 3\n", "4 nodes in one line"},
         {HEAD FOUR "1 1 tet 1 2 3 4 1\n", "no more than 4"},
-        {HEAD FOUR "1 1 hexe 1 2 3 4 1\n", "'hexe' is no type"},
+        {HEAD FOUR "1 1 hexe 1 2 3 4 1\n", "'hexe' is not a type"},
         {HEAD FOUR "1 1.5 tet 1 2 3 4\n", "its material"},
         {HEAD FOUR "1 2147483648 tet 1 2 3 4\n", "its material"},
         {HEAD FOUR TET TET, "more follows"},

@@ -65,8 +65,7 @@ static void put_moved(pl_markup *page, const pl_figures *figures, const cJSON *m
     pl_markup_put_count(page, pl_figure_count(figures->result, "moved_nodes"));
     pl_markup_put(page, " of ");
     pl_markup_put_count(page, pl_figure_count(mesh, "nodes"));
-    pl_markup_put(page,
-                  figures->is_compared ? " nodes are elsewhere, by up to " : " nodes by up to ");
+    pl_markup_put(page, figures->is_compared ? " nodes differ, by up to " : " nodes by up to ");
     pl_markup_put_real(page, pl_figure(figures->result, "max_displacement"));
 }
 
@@ -100,7 +99,7 @@ static void put_change(pl_markup *page, const pl_figures *figures, const cJSON *
     if (inverted > 0) {
         pl_markup_put(page, inverted == 1 ? " There was " : " There were ");
         pl_markup_put_number_of(page, inverted, "inverted element", "inverted elements");
-        pl_markup_put(page, " before, and now there %s ", left == 1 ? "is" : "are");
+        pl_markup_put(page, " before; now there %s ", left == 1 ? "is" : "are");
         if (left > 0)
             pl_markup_put_count(page, left);
         pl_markup_put(page, left > 0 ? "." : "none.");
@@ -112,21 +111,21 @@ static void put_target(pl_markup *page, const pl_figures *figures, const cJSON *
     if (figures->like[0]) {
         pl_markup_put(page, "<p id=\"target\">The target of each element is its shape in <code>");
         pl_markup_put_text(page, figures->like);
-        pl_markup_put(page,
-                      "</code>: aspect ratios are against that, and 1 is the same shape.</p>\n");
+        pl_markup_put(page, "</code>: an aspect ratio of 1 means the same shape.</p>\n");
     } else if (figures->of_sizes || figures->of_metric) {
-        pl_markup_put(page, "<p id=\"target\">Elements are to have the %s of <code>",
+        pl_markup_put(page, "<p id=\"target\">The elements should have the %s in <code>",
                       figures->of_metric ? "metric" : "sizes");
         pl_markup_put_text(page, pl_figure_text(figures->result, "sizes_of"));
-        pl_markup_put(page, "</code>, in relation to one another. Aspect ratios are %s.</p>\n",
-                      figures->of_metric ? "those where lengths are measured by it"
-                                         : "against regular elements");
+        pl_markup_put(page, "</code>, relative to one another. Aspect ratios %s.</p>\n",
+                      figures->of_metric ? "measure lengths by the metric"
+                                         : "compare elements with regular ones");
     } else if (figures->has_targets) {
-        pl_markup_put(page,
-                      "<p id=\"target\">The layers keep their heights: aspect ratios of their ");
+        pl_markup_put(
+            page, "<p id=\"target\">The layers keep their heights. Aspect ratios compare their ");
         pl_markup_put_count(page, pl_figure_count(mesh, "kept_layer_elements"));
-        pl_markup_put(page, " elements are against the heights that they had, and of others "
-                            "against regular elements.</p>\n");
+        pl_markup_put(
+            page,
+            " elements with their former heights, and other elements with regular ones.</p>\n");
     }
 }
 
@@ -136,9 +135,8 @@ static void put_layers(pl_markup *page, const cJSON *mesh) {
     if (pl_figure_text(mesh, "layers_not_kept_with")[0]) {
         pl_markup_put(page, "<p class=\"quiet\">");
         pl_markup_put_count(page, pl_figure_count(mesh, "held_layer_elements"));
-        pl_markup_put(page,
-                      " elements are thin in layers. Their nodes are held, as heights cannot be "
-                      "kept with ");
+        pl_markup_put(page, " elements are thin in layers. planish held their nodes, because it "
+                            "cannot keep heights with ");
         pl_markup_put_text(page, pl_figure_text(mesh, "layers_not_kept_with"));
         pl_markup_put(page, ".</p>\n");
     }
@@ -214,7 +212,7 @@ static void put_summary(pl_markup *page, const pl_figures *figures) {
     pl_markup_put(page, "</p>\n<p class=\"verdict%s\">%s: ", valid ? "" : " bad",
                   valid ? "Valid" : "Not valid");
     put_mesh(page, figures);
-    pl_markup_put(page, valid            ? ", all positive, decided exactly."
+    pl_markup_put(page, valid            ? ", all positive (decided exactly)."
                         : n_inverted > 0 ? ", some inverted."
                                          : ", some undecided.");
     pl_markup_put(page, "</p>\n");
@@ -240,10 +238,11 @@ static void put_view(pl_markup *page, const pl_figures *figures, const char *nam
         page, pl_figure(state, figures->has_types ? "rms_aspect_ratio" : "rms_radius_ratio"));
     pl_markup_put(page, ", inverted ");
     pl_markup_put_count(page, pl_figure_count(state, "inverted"));
-    pl_markup_put(page,
-                  "\"><p class=\"fallback\">The picture needs JavaScript and WebGL.</p></div>"
-                  "<figcaption>%s%s<span class=\"count\"></span></figcaption></figure>\n",
-                  shown, shown[0] ? ": " : "");
+    pl_markup_put(
+        page,
+        "\"><p class=\"fallback\">The picture needs JavaScript and "
+        "WebGL.</p></div><figcaption>%s%s<span class=\"count\"></span></figcaption></figure>\n",
+        shown, shown[0] ? ": " : "");
 }
 
 static void put_views(pl_markup *page, const pl_figures *figures, const pl_picture *picture) {
@@ -251,10 +250,10 @@ static void put_views(pl_markup *page, const pl_figures *figures, const pl_pictu
     pl_markup_put(
         page, "<p class=\"quiet help\" id=\"picture-help\" hidden>%s",
         figures->is_solid
-            ? "The picture shows the surface of the mesh, and the elements that are worse than a "
-              "ratio of your choice. Drag to turn the mesh; drag with the right button to "
-              "move it; click it and use the wheel to zoom. On a touch screen tap it first: one "
-              "finger turns, two move and zoom. Keys: arrows, + and \xE2\x88\x92; 0 shows all."
+            ? "The picture shows the surface of the mesh, and the elements worse than a ratio that "
+              "you choose. Drag to turn the mesh; drag with the right button to move it; click it "
+              "and use the wheel to zoom. On a touch screen tap it first: one finger turns the "
+              "mesh, two fingers move and zoom it. Keys: arrows, + and \xE2\x88\x92; 0 shows all."
             : "The colour of each element is its ratio. Drag to move the mesh; click it "
               "and use the wheel to zoom. On a touch screen tap it first, then move and zoom it "
               "with fingers. Keys: arrows, + and \xE2\x88\x92; 0 shows all.");
@@ -262,7 +261,7 @@ static void put_views(pl_markup *page, const pl_figures *figures, const pl_pictu
         pl_markup_put(page, " The picture has no mid-side nodes.");
     pl_picture_count(picture, &n_all, &n_drawn);
     if (n_drawn < n_all) {
-        pl_markup_put(page, " The picture is coarse: it has ");
+        pl_markup_put(page, " The picture is simplified: it has ");
         pl_markup_put_count(page, n_drawn);
         pl_markup_put(page, " of %s ", figures->is_solid ? "the surface's" : "all");
         pl_markup_put_count(page, n_all);
