@@ -219,7 +219,8 @@ typedef struct planish_mesh {
        layers do not count. If no element is marked, neither layers nor reference count. The target of
        an element of a layer has the height across the layer from reference (NULL: from coordinates),
        smoothed along the layer, and regular edges along it (docs/targets.md). Other elements should be
-       regular. Flat elements on a layer belong to it. Where a wall was moved into its layers, the rows inside give the first heights.
+       regular. Flat elements on a layer belong to it. Where a wall was moved into its layers, the rows
+       inside give the first heights.
        No element needs to be valid. To measure the mesh after smoothing, give planish_measure_cells
        the mesh before it as reference. */
     const uint8_t *is_layer;
@@ -376,8 +377,8 @@ typedef struct planish_shape_info {
     double edge_length; /* mean length of the edges, in units of the coordinates */
     int64_t
         n_mids; /* nodes in the middle of edges or facets of second order; the surface is then the
-                           curved one of these facets, edges count as two, and corners alone are in n_on_patch,
-                           n_on_curve and n_corners */
+                           curved one of these facets, edges count as two, and corners alone are in
+                           n_on_patch, n_on_curve and n_corners */
     int64_t n_open_edges;        /* edges of one facet */
     int64_t n_nonmanifold_edges; /* edges of more than two facets */
     int64_t n_conflict_edges; /* edges of two facets that cannot be oriented alike, as in a Moebius
@@ -468,8 +469,8 @@ PLANISH_API int planish_region_name(const char *name);
  *  [n_arrays] becomes 1 or 0. An array tells regions if all of its values are whole numbers within
  *  64 bits, if two of them differ at least, and if at most half of the facets between two elements
  *  lie between different values. Its name may decide (planish_region_name): an array of -1 does not
- *  tell regions; of the arrays above 0 the one with the lowest number does if its values differ. The mesh's
- *  coordinates are not used. threads: as in planish_options. Errors, with arrays untouched:
+ *  tell regions; of the arrays above 0 the one with the lowest number does if its values differ. The
+ *  mesh's coordinates are not used. threads: as in planish_options. Errors, with arrays untouched:
  *  _ARGUMENT, _MESH, _MEMORY, _PARTS (mesh->part: ask for the whole mesh). */
 PLANISH_API int planish_find_regions(const planish_mesh *mesh, planish_cell_array *arrays,
                                      int n_arrays, int threads, planish_error *error);
@@ -768,9 +769,10 @@ PLANISH_API void planish_options_init_sized(planish_options *options, size_t siz
 /* ---- Another surface ------------------------------------------------------------------------ */
 
 /** Fit of the surface of a mesh of solids to another surface, made of other triangles: the place of each
- *  node there. A node of a patch belongs where the other surface is nearest and faces the same way, a node of
- *  a curve on a curve, a corner at a corner. If no curve or corner is in reach, the node belongs on a patch,
- *  and stays there. */
+ *  node there. A node of a patch belongs where the other surface is nearest and faces the same way, a
+ *  node of
+ *  a curve on a curve, a corner at a corner. If no curve or corner is in reach, the node belongs on a
+ *  patch, and stays there. */
 typedef struct planish_fit planish_fit;
 
 typedef struct planish_fit_info {
@@ -785,8 +787,10 @@ typedef struct planish_fit_info {
     int64_t reserved[8];
 } planish_fit_info;
 
-/** Find the places of the boundary nodes of mesh on the shape onto. mesh has solids of order 1, and shape is
- *  its shape. onto is made from other triangles (planish_shape_create of a mesh of faces, or of another mesh
+/** Find the places of the boundary nodes of mesh on the shape onto. mesh has solids of order 1, and
+ *  shape is
+ *  its shape. onto is made from other triangles (planish_shape_create of a mesh of faces, or of another
+ *  mesh
  *  of solids). Keep both shapes as long as fit. reach: largest distance of a node from its place, in mean
  *  lengths of its edges; 0: 3. options (NULL: defaults): threads, precision, round. Nodes that
  *  mesh->constraint calls FIXED stay. info may be NULL.
@@ -801,18 +805,22 @@ PLANISH_API int planish_fit_create(const planish_mesh *mesh, const planish_shape
 PLANISH_API void planish_fit_destroy(planish_fit *fit);
 
 /** Move the nodes of mesh to their places, as far as elements stay valid. The call works in rounds, and
- *  smooths the other nodes between them; nodes on the other surface slide along it. Elements may get worse,
- *  but none becomes invalid. mesh is the mesh of fit; coordinates have its strides. options (NULL: defaults)
+ *  smooths the other nodes between them; nodes on the other surface slide along it. Elements may get
+ *  worse,
+ *  but none becomes invalid. mesh is the mesh of fit; coordinates have its strides. options (NULL:
+ *  defaults)
  *  are as for planish_smooth, except that project, shape, method, worst, only_worse_than and around are
- *  ignored, and bounds hold for the smoothing only; progress is called in its sweeps. time_limit is for the
- *  whole call. info (may be NULL) tells how many nodes are not at their places; planish_smooth, or another
- *  call, may make room for them.
+ *  ignored, and bounds hold for the smoothing only; progress is called in its sweeps. time_limit is for
+ *  the
+ *  whole call. info (may be NULL) tells how many nodes are not at their places; planish_smooth, or
+ *  another call, may make room for them.
  *  Errors: as of planish_plan_create and planish_smooth; coordinates are then untouched. */
 PLANISH_API int planish_fit_move(planish_fit *fit, const planish_mesh *mesh, double *coordinates,
                                  const planish_options *options, planish_fit_info *info,
                                  planish_error *error);
 
-/** Fill constraint [n_nodes] for the nodes of the mesh's surface, interfaces between regions included: nodes
+/** Fill constraint [n_nodes] for the nodes of the mesh's surface, interfaces between regions included:
+ *  nodes
  *  that slide along the other surface become ON_SURFACE, all others FIXED. Smooth with options.project =
  *  planish_fit_project and project_user = fit. Entries of other nodes do not change. */
 PLANISH_API void planish_fit_constrain(const planish_fit *fit, uint8_t *constraint);
@@ -821,9 +829,10 @@ PLANISH_API void planish_fit_constrain(const planish_fit *fit, uint8_t *constrai
 PLANISH_API planish_constraint planish_fit_project(int64_t node, double *point, double *direction,
                                                    void *fit);
 
-/** Bound the distance of the boundary of mesh, at mesh->coordinates, from the other surface (distance), and
- *  the distance back; edge lengths are those of the mesh's boundary. Bends are 0. The bounds are proved, as
- *  those of planish_measure_shape. Errors: _ARGUMENT, _MESH, _MEMORY. */
+/** Bound the distance of the boundary of mesh, at mesh->coordinates, from the other surface (distance),
+ *  and
+ *  the distance back; edge lengths are those of the mesh's boundary. Bends are 0. The bounds are proved,
+ *  as those of planish_measure_shape. Errors: _ARGUMENT, _MESH, _MEMORY. */
 PLANISH_API int planish_fit_measure(const planish_fit *fit, const planish_mesh *mesh,
                                     planish_shape_distance *distance, planish_error *error);
 
@@ -1092,9 +1101,10 @@ PLANISH_API int planish_measure_cells(const planish_mesh *mesh, double rounding,
 
 /* ---- Sizes ---------------------------------------------------------------------------------- */
 
-/** Sizes of elements compared with planish_mesh.size or metric. The size of an element is the edge length of
- *  the ideal element of the same measure; for cells it is the mean of this length over the corners. With a
- *  metric, lengths are measured by the metric, and the wanted size is 1. */
+/** Sizes of elements compared with planish_mesh.size or metric. The size of an element is the edge
+ *  length of
+ *  the ideal element of the same measure; for cells it is the mean of this length over the corners. With
+ *  a metric, lengths are measured by the metric, and the wanted size is 1. */
 typedef struct planish_size_quality {
     int64_t n_elements;        /* that have a size: all but flat ones */
     double factor;             /* factor on the given sizes with which the domain would hold the
@@ -1105,8 +1115,10 @@ typedef struct planish_size_quality {
     double reserved[2];
 } planish_size_quality;
 
-/** Compare the sizes of the elements of mesh with mesh->size or mesh->metric, which are given at the places of
- *  the nodes in mesh->reference (NULL: in mesh->coordinates). ratio [n_elements] (may be NULL) is filled with size /
+/** Compare the sizes of the elements of mesh with mesh->size or mesh->metric, which are given at the
+ *  places of
+ *  the nodes in mesh->reference (NULL: in mesh->coordinates). ratio [n_elements] (may be NULL) is filled
+ *  with size /
  *  (factor * wanted), 0 for elements that do not count. threads: as in planish_options. Errors:
  *  _ARGUMENT, _MESH, _MEMORY, _PARTS. */
 PLANISH_API int planish_measure_sizes(const planish_mesh *mesh, int threads,
@@ -1217,8 +1229,8 @@ PLANISH_API int planish_smooth(planish_plan *plan, double *coordinates,
                                planish_error *error);
 
 /** Smooth coordinates [n_nodes][3] (or as the mesh's strides say) of a mesh that is a surface in space:
- *  mesh->cells has triangles and quadrilaterals, and no solids. Nodes move along options->shape, which was
- *  made of the same cells: as mesh->constraint says, where that is FREE or NULL as the shape does.
+ *  mesh->cells has triangles and quadrilaterals, and no solids. Nodes move along options->shape, which
+ *  was made of the same cells: as mesh->constraint says, where that is FREE or NULL as the shape does.
  *
  *  Lowered is the RMS of AR (RR of a mesh of triangles alone) over the elements. Promised:
  *  - Each facet stays within options->surface_tolerance of the shape, proved (planish_measure_shape says
@@ -1231,8 +1243,8 @@ PLANISH_API int planish_smooth(planish_plan *plan, double *coordinates,
  *  - No facet comes to cross another one: where some would the run begins anew and holds their nodes. The
  *    fourth time nothing moves, nor if the caller stops a run in which some do.
  *  - The bits are the same for any number of threads.
- *  Nodes of elements of order 2 stay. Elements that have turned over against the shape stay as they are, and
- *  so do their nodes.
+ *  Nodes of elements of order 2 stay. Elements that have turned over against the shape stay as they are,
+ *  and so do their nodes.
  *
  *  options: as for planish_plan_create and planish_smooth; minimum volumes, methods of averages and
  *  PLANISH_OBJECTIVE_EDGE_RATIO are not for surfaces, and isa, bind and search mean nothing. worst: of
@@ -1242,11 +1254,15 @@ PLANISH_API int planish_smooth_surface(const planish_mesh *mesh, double *coordin
                                        const planish_options *options, planish_result *result,
                                        planish_error *error);
 
-/** Measure mesh->coordinates of a mesh that is a surface in space, whose elements shape was made of: areas,
- *  angles and ratios of the elements, each in its own plane. Movable are nodes as in planish_smooth_surface,
+/** Measure mesh->coordinates of a mesh that is a surface in space, whose elements shape was made of:
+ *  areas,
+ *  angles and ratios of the elements, each in its own plane. Movable are nodes as in
+ *  planish_smooth_surface,
  *  inverted elements without area and those that have turned over against the shape. quality: as of
- *  planish_measure for a mesh of these elements in the plane. ratio [n_elements] (may be NULL): RR, of a mesh
- *  with quadrilaterals AR, 0 of inverted elements. cells and values (may be NULL): as of planish_measure_cells,
+ *  planish_measure for a mesh of these elements in the plane. ratio [n_elements] (may be NULL): RR, of a
+ *  mesh
+ *  with quadrilaterals AR, 0 of inverted elements. cells and values (may be NULL): as of
+ *  planish_measure_cells,
  *  with elements of order 2 by their corners. threads: as in planish_options. Errors: _ARGUMENT, _MESH,
  *  _MEMORY, _PARTS; all is then untouched but values. */
 PLANISH_API int planish_measure_surface(const planish_shape *shape, const planish_mesh *mesh,
@@ -1292,8 +1308,8 @@ PLANISH_API int planish_check_volumes(const planish_plan *plan, const double *co
  *    det J at points.
  *   infeasible [n_elements] (may be NULL) is filled
  *  with 0 or 1; *n counts the ones. Nothing is said of elements that are merely hard, or that a plan
- *  with options.around does not know. options (NULL: defaults) limit the search as in planish_check_volumes, and
- *  *n_undecided (may be NULL) counts the inverted elements that it left.
+ *  with options.around does not know. options (NULL: defaults) limit the search as in
+ *  planish_check_volumes, and *n_undecided (may be NULL) counts the inverted elements that it left.
  *  Errors: _ARGUMENT, _MESH, _MEMORY; all outputs are then untouched. */
 PLANISH_API int planish_find_infeasible(const planish_plan *plan, const double *coordinates,
                                         const planish_options *options, uint8_t *infeasible,

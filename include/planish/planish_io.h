@@ -145,7 +145,8 @@ PLANISH_API int planish_file_cells(planish_file *file, planish_cells *cells, pla
 /** Coordinates [n_nodes][dim] of planish_file_mesh, in the file's units, to be changed in place. */
 PLANISH_API double *planish_file_coordinates(planish_file *file);
 
-/** The plane in which a mesh of flat elements (dim 2) has its coordinates. If the plane is orthogonal to an
+/** The plane in which a mesh of flat elements (dim 2) has its coordinates. If the plane is orthogonal to
+ *  an
  *  axis of the file, the coordinates are two columns of the file, and the third column does not change.
  *  In a tilted plane they belong to a frame with the unit vectors direction, so that areas and angles
  *  are true. Each triangle has the sign that it has seen along axis[2]; this sign is exact, except for
@@ -187,8 +188,8 @@ PLANISH_API const char *const *planish_file_region_arrays(const planish_file *fi
 /** Choose the arrays that tell regions: names [n_names], each of planish_file_cell_arrays, replace the
  * arrays that were found. n_names 0 keeps the arrays that were found. Either way the values of the
  * arrays are released, so you can choose only once. Ask again afterwards for results that depend on
- * regions and groups (planish_file_constraints, _surface, _min_volumes, _element_region). Errors: _ARGUMENT (a name that the file does not have; the
- * text lists those it has), _MEMORY. */
+ * regions and groups (planish_file_constraints, _surface, _min_volumes, _element_region). Errors:
+ * _ARGUMENT (a name that the file does not have; the text lists those it has), _MEMORY. */
 PLANISH_API int planish_file_choose_regions(planish_file *file, const char *const *names,
                                             int n_names, planish_error *error);
 
@@ -305,7 +306,8 @@ PLANISH_API planish_surface planish_file_surface(const planish_file *file,
 
 /** Find the minimum volumes of groups, for planish_mesh.min_volume. tags [n_tags] name groups of
  *  elements as in planish_hold, values [n_tags] are their minimum volumes (positive). Fill min_volume
- *  [n_elements] with the largest value of the element's groups, or 0 if it is in none of them. Errors: _ARGUMENT (a tag that the file does not have; the text
+ *  [n_elements] with the largest value of the element's groups, or 0 if it is in none of them. Errors:
+ *  _ARGUMENT (a tag that the file does not have; the text
  *  lists those it has), _MEMORY; min_volume is then untouched. */
 PLANISH_API int planish_file_min_volumes(const planish_file *file, const char *const *tags,
                                          const double *values, int n_tags, double *min_volume,
@@ -329,7 +331,8 @@ PLANISH_API int planish_file_element_region(const planish_file *file, int64_t el
  *  can hold. Writing rounds them in space, which no planish_options.round can tell planish_smooth:
  *  call this function after planish_smooth and before the result is measured. A node returns to its
  *  coordinates in the file if a triangle or the corner of a quadrilateral has another sign as
- *  written, seen along plane.axis[2] (exactly), than it has in coordinates. Nodes with back [n_nodes] (may be NULL) not 0 return,
+ *  written, seen along plane.axis[2] (exactly), than it has in coordinates. Nodes with back [n_nodes]
+ *  (may be NULL) not 0 return,
  *  too. Where a file holds less than doubles, coordinates become those that are written. *n_back
  *  (may be NULL) is the number of nodes that returned, and back is set to 1 for these. Meshes that are
  *  not in a tilted plane do not change. Errors: _ARGUMENT, _MEMORY. */
@@ -337,13 +340,14 @@ PLANISH_API int planish_file_round_in_plane(const planish_file *file, double *co
                                             uint8_t *back, int64_t *n_back, planish_error *error);
 
 /** Return 1 if planish_file_write takes path, else 0. It takes a name with the extension of the input or
- *  another extension of its format, a pipe or a device. If the mesh is a folder, it takes this folder, and
- *  names without the extension of a format. planish_file_check_output checks more. */
+ *  another extension of its format, a pipe or a device. If the mesh is a folder, it takes this folder,
+ *  and names without the extension of a format. planish_file_check_output checks more. */
 PLANISH_API int planish_file_can_write(const planish_file *file, const char *path);
 
 /** Check before long work whether planish_file_write to path would fail, wherever nodes go: because
  *  planish_file_can_write does not take the name, files beside it belong to another mesh (TetGen), or
- *  compressed coordinates cannot be written to a pipe. The call does not try to write there. Errors: _FILE, _ARGUMENT, _MEMORY. */
+ *  compressed coordinates cannot be written to a pipe. The call does not try to write there. Errors:
+ *  _FILE, _ARGUMENT, _MEMORY. */
 PLANISH_API int planish_file_check_output(const planish_file *file, const char *path,
                                           planish_error *error);
 
