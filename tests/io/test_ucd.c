@@ -188,7 +188,7 @@ static void wrong_files_are_refused(void **state) {
         {HEAD FOUR "1 1 tet 1 2 3 5\n", "test:6: cell 1: there is no node 5"},
         {HEAD FOUR "1 1 tet 1 2 3 -4\n", "no node -4"},
         {HEAD FOUR "1 1 tet 1 2 3\n", "4 nodes in one line"},
-        {HEAD FOUR "1 1 tet 1 2 3 4 1\n", "no more than 4"},
+        {HEAD FOUR "1 1 tet 1 2 3 4 1\n", "at most 4"},
         {HEAD FOUR "1 1 hexe 1 2 3 4 1\n", "'hexe' is not a type"},
         {HEAD FOUR "1 1.5 tet 1 2 3 4\n", "its material"},
         {HEAD FOUR "1 2147483648 tet 1 2 3 4\n", "its material"},
