@@ -1,10 +1,10 @@
 /* planish: smooth meshes of triangles, tetrahedra and elements of other types by moving their
  * interior nodes.
  *
- * Caller-owned arrays in, coordinates changed in place. The library keeps no global state (but for
- * hwloc's view of the machine, if threads are bound), prints nothing, reads no environment (but
- * what hwloc and OpenMP read) and installs no signal handler; two threads may work on two plans at
- * the same time (one plan serves one thread at a time).
+ * The caller owns all arrays; the library changes coordinates in place. It prints nothing and
+ * installs no signal handler. It keeps no global state, except hwloc's view of the machine if
+ * threads are bound, and reads no environment variables, except those of hwloc and OpenMP. Two
+ * threads may work on two plans at the same time; one plan serves one thread at a time.
  *
  * Error convention: functions return 0 on success and a negative planish_status on failure; then
  * *error (may be NULL) says what and where, and outputs are untouched unless stated otherwise. Success
@@ -20,16 +20,16 @@
  *   sweeps, visits, evaluations, threads. -1 stands for "not counted". The enumerators of a type
  *   have a common prefix: PLANISH_ROLE_OWN is a planish_role. "Infeasible" means proved impossible,
  *   "given up" means left out of the energy of untangling.
- * - Structures are to be zeroed before they are filled in ({0}, or designated initialisers; options
- *   by planish_options_init). All versions with one soname (0.2.x; from 1.0 on all of 1) have the
- *   same sizes: later ones use what is reserved.
- *   planish_options begins with its size besides, so that options which were not initialised, or
- *   which another header describes, are refused.
+ * - Zero structures before you fill them in: {0}, designated initialisers, or planish_options_init
+ *   for options. All versions with one soname (0.2.x; from 1.0 on all of 1) have the same sizes:
+ *   later ones use the reserved fields. planish_options also begins with its size, so that the
+ *   library refuses options that were not initialised, or that another version of this header
+ *   describes.
  * - "Radius ratio" (RR) is the normalised one: R/(3r) of a tetrahedron, R/(2r) of a triangle, R the
- *   circumradius and r the inradius; 1 for the equilateral element and larger for any other. It is
- *   the measure of meshes of simplices alone.
- * - "Mixed" is a mesh with a smoothed element of another type: the aspect ratio AR of
- *   planish_cell_measures, by the mean ratios mu of corners, stands for RR there (docs/elements.md).
+ *   circumradius and r the inradius; 1 for the equilateral element and larger for any other. RR is
+ *   the measure for meshes of simplices alone.
+ * - A mesh is "mixed" if a smoothed element has another type. There the aspect ratio AR of
+ *   planish_cell_measures, from the mean ratios mu of corners, replaces RR (docs/elements.md).
  *
  * Sections:
  *   Version, errors            planish_version, planish_has_feature, planish_status, planish_error
@@ -82,7 +82,7 @@ typedef enum planish_feature {
     PLANISH_FEATURE_X86_KERNELS = 2 /* PLANISH_ISA_AVX2 and _AVX512, where the CPU has them */
 } planish_feature;
 
-/** Whether the library that is linked was built with it: 1 or 0. */
+/** Return 1 if the linked library was built with feature, else 0. */
 PLANISH_API int planish_has_feature(planish_feature feature);
 
 /* ---- Errors ------------------------------------------------------------------------------- */
@@ -90,38 +90,38 @@ PLANISH_API int planish_has_feature(planish_feature feature);
 typedef enum planish_status {
     PLANISH_OK = 0,
     PLANISH_ERROR_ARGUMENT = -1, /* an argument or option is out of its range */
-    PLANISH_ERROR_MESH = -2,     /* the mesh is not one: index out of range, NaN, ... */
+    PLANISH_ERROR_MESH = -2,     /* the mesh is not valid: index out of range, NaN, ... */
     PLANISH_ERROR_MEMORY = -3,   /* memory could not be allocated */
     PLANISH_ERROR_FILE = -4,     /* a file could not be opened, read or written */
-    PLANISH_ERROR_FORMAT = -5,   /* a file's content is not what its format says */
+    PLANISH_ERROR_FORMAT = -5,   /* a file's content contradicts its format */
     PLANISH_ERROR_PROCESS = -6,  /* another process that has a part of the mesh was not reached */
-    PLANISH_ERROR_PARTS = -7 /* that is not possible with a mesh in parts, only with the whole */
+    PLANISH_ERROR_PARTS = -7     /* the call needs the whole mesh, but the mesh is in parts */
 } planish_status;
 
 typedef struct planish_error {
     int code;        /* a planish_status */
-    int64_t element; /* the element meant, or -1 */
-    int64_t node;    /* the node meant, or -1; as given, which may be no node of the mesh */
+    int64_t element; /* the element in question, or -1 */
+    int64_t node;    /* the node in question, or -1; as given, so it may be out of range */
     char text[512];  /* one line: what, where, what to do */
 } planish_error;
 
 /* ---- Mesh --------------------------------------------------------------------------------- */
 
-/** How a node may move. On the mesh's boundary only nodes that slide do. A node slides unless a
- * facet of more than two elements, a duplicate element or more than 21845 elements meet at it; it
- * does so while its elements are positive, and is held while they are untangled. Boundaries that
- * are planar around each sliding node, and straight along each line, keep their shape, to the
- * rounding of coordinates (of floats, with PLANISH_PRECISION_FLOAT); interior nodes may slide as
- * well. planish_find_slides finds such nodes. */
+/** How a node may move. On the mesh's boundary only sliding nodes move; interior nodes may slide,
+ * too. A node does not slide if a facet of more than two elements, a duplicate element or more than
+ * 21845 elements meet at it. A node slides while its elements are positive, and is held while they
+ * are untangled. Boundaries that are planar around each sliding node, and straight along each line,
+ * keep their shape, up to the rounding of coordinates (to floats with PLANISH_PRECISION_FLOAT).
+ * planish_find_slides finds nodes that can slide. */
 typedef enum planish_constraint {
-    PLANISH_CONSTRAINT_FREE = 0,       /* anywhere, if it is no node of the boundary */
+    PLANISH_CONSTRAINT_FREE = 0,       /* anywhere, unless the node is on the boundary */
     PLANISH_CONSTRAINT_FIXED = 1,      /* nowhere */
     PLANISH_CONSTRAINT_ON_PLANE = 2,   /* on the plane (in 2-D the line) through its place whose
                                          normal is that of planish_mesh.direction */
     PLANISH_CONSTRAINT_ON_LINE = 3,    /* on the line through its place along that direction */
     PLANISH_CONSTRAINT_ON_SURFACE = 4, /* where planish_options.project says */
-    PLANISH_CONSTRAINT_ON_PATCH = 5,   /* on the patch of planish_options.shape that has it, */
-    PLANISH_CONSTRAINT_ON_CURVE = 6    /* or on the curve */
+    PLANISH_CONSTRAINT_ON_PATCH = 5,   /* on its patch of planish_options.shape */
+    PLANISH_CONSTRAINT_ON_CURVE = 6    /* on its curve of planish_options.shape */
 } planish_constraint;
 
 /** Type of an element. The numbers, and the order of nodes, are VTK's. */
@@ -147,10 +147,10 @@ typedef enum planish_cell_type {
     PLANISH_CELL_PYRAMID14 = 128 /* VTK has none: PYRAMID13 and the middle of the base */
 } planish_cell_type;
 
-/** Elements of any types. Elements of the mesh's dimension count, others are passed over. Elements
- *  may have either handedness: that of most elements that facets join is the right one, or that of
- *  most of its type for an element that nothing joins. A triangle or tetrahedron that nothing joins
- *  is right in either. */
+/** Elements of any types. Only elements of the mesh's dimension count. Elements may have either
+ *  handedness. The right one is the handedness of most elements that facets join. For an element
+ *  without such neighbours it is that of most elements of its type; for a triangle or tetrahedron
+ *  without neighbours both are right. */
 typedef struct planish_cells {
     int64_t n;             /* elements */
     const uint8_t *type;   /* [n] of planish_cell_type */
@@ -169,14 +169,14 @@ typedef struct planish_mesh {
     const int32_t *elements;   /* [n_elements][dim + 1], any consistent or mixed orientation */
     const uint8_t *constraint; /* [n_nodes] of planish_constraint, or NULL: all free */
     const double *direction;   /* [n_nodes][dim] of nodes on planes and lines, of any length but 0,
-                                  whatever the strides; others are not looked at. NULL if there are
-                                  none */
+                                  whatever the strides; entries of other nodes are ignored. NULL
+                                  if there are none */
     int64_t n_periodic;        /* 0: none */
-    const int32_t *periodic;   /* [n_periodic][2] pairs of nodes that a translation takes to one
-                                  another, as on periodic boundaries. The nodes that pairs join are
+    const int32_t *periodic;   /* [n_periodic][2] pairs of nodes on periodic boundaries: a
+                                  translation takes one to the other. The nodes that pairs join are
                                   a group. A group moves by one vector if all its nodes slide in the
                                   same directions. Each translation needs at least two pairs. The
-                                  coordinates to be smoothed must fit the pairs, too. Held are
+                                  coordinates to be smoothed must fit the pairs, too. These are held:
                                   - groups with a node that does not slide, such as a free node
                                     inside the mesh
                                   - groups with two nodes of one element
@@ -192,62 +192,61 @@ typedef struct planish_mesh {
        all that is given to a plan of this mesh: 4 and 1 for x y z padded, 1 and n_nodes for x x ..
        y y .. z z .. 0: dim for the first, 1 for the second. */
     int64_t node_stride, component_stride;
-    const int32_t *neighbours;   /* [n_elements][dim + 1] the element on the other side of the facet
-                                    that has not that corner, -1: none. Or NULL; see
-                                    planish_plan_create for what they save */
-    const int64_t *neighbours64; /* the same, in place of neighbours */
+    const int32_t *neighbours;   /* [n_elements][dim + 1] the element across the facet opposite that
+                                    corner, -1: none. Or NULL; planish_plan_create says what
+                                    neighbours save */
+    const int64_t *neighbours64; /* neighbours in 64 bits, in place of neighbours */
     const struct planish_part *part; /* what this process has of the mesh; NULL: all of it */
     /* Elements of any types, in place of elements, which are NULL then; NULL: none. n_elements is
-       cells->n. Arrays per element and planish_error.element go by cells. Elements of dimension dim
-       are smoothed by their corners, but for pyramids of order 2 and elements with a node twice; at
-       least one is needed. Counts and measures of elements are theirs. Other elements, those of
-       another dimension included, hold their nodes. Their entries are not looked at on input, and 0
-       on output.
-       A mid follows its edge, by half of the way of both ends: a straight edge stays straight, a
-       curved one keeps its offset. Nodes of faces and cells follow all corners of these by 1/4 and
-       1/8. Orders may be mixed: an edge has a mid if one of its elements
-       has. Of constraints of mids FIXED alone counts, and bounds are for corners. Held are
+       cells->n. Arrays per element, and planish_error.element, are in the order of cells. Elements of
+       dimension dim are smoothed by their corners, except pyramids of order 2 and elements with a
+       node twice; there must be at least one. Counts and measures are those of smoothed elements.
+       All other elements hold their nodes; their entries are ignored on input, and 0 on output.
+       A mid follows its edge, by half of the displacement of each end: a straight edge stays
+       straight, a curved edge keeps its offset. Nodes in the middle of faces and cells follow all
+       corners of these by 1/4 and 1/8. Orders may be mixed: an edge has a mid if one of its elements
+       has. The only constraint that counts for mids is FIXED; bounds are for corners. These are held:
        - corners that are nodes of another element
        - both ends of an edge whose mid is FIXED, a node of another element, a corner elsewhere or
          the mid of another edge
        - nodes that slide at a curved edge (planish_options.rounding) whose other end is not free,
          or at a face whose middle is off their plane
-       - nodes of a quadrilateral that triangles are on the other side of: it is a boundary.
-       Pairs of mids in periodic are passed over: mids follow. neighbours and part are for elements
-       alone. */
+       - nodes of a quadrilateral with triangles on its other side: it is a boundary.
+       Pairs of mids in periodic are ignored: mids follow. neighbours and part do not go with cells. */
     const planish_cells *cells;
-    /* [n_nodes][dim], with the strides of coordinates, or NULL: the mesh as it should be. The
-       target of each element is its shape there, wherever it lies, however it is turned and of
-       whatever size; without it, the regular shape. All elements are then measured by mean ratios,
-       as with cells of several types, mu that of T = A W^-1, A and W the edges of a corner here and
-       there (docs/targets.md; planish_options.size_weight makes sizes count). planish_plan_create
-       and planish_measure_cells read it, and no plan needs it afterwards. Every corner of a smoothed
-       element must be positive there. Not with part, nor with periodic. */
+    /* [n_nodes][dim], with the strides of coordinates: the mesh as it should be. NULL: targets are
+       regular. The target of each element is its shape there; its place, rotation and size do not
+       matter (planish_options.size_weight makes sizes count). All elements are then measured by mean
+       ratios, as with cells of several types: mu is that of T = A W^-1, where A and W are the edges
+       of a corner here and there (docs/targets.md). Only planish_plan_create and
+       planish_measure_cells read this array. Every corner of a smoothed element must be positive
+       there. Not possible with part or periodic. */
     const double *reference;
-    /* [n_elements] not 0: the element is of a layer, as planish_find_layers says it; NULL: targets
-       are not by layers. Elements of layers are then targets themselves: heights across the layer are
-       those of reference (NULL: of coordinates), smoothed along it, and edges along it regular
-       (docs/targets.md). Other elements are to be regular. Flat elements that lie on a layer count
-       as of it. Where a wall was moved into its layers the rows inside tell the first heights. No
-       element needs to be valid. planish_measure_cells measures such a mesh after it has moved if
-       reference is the mesh as it was. NULL also means: no element is marked, whatever reference. */
+    /* [n_elements] not 0: the element belongs to a layer, as planish_find_layers finds them. NULL:
+       layers do not count. If no element is marked, neither layers nor reference count. The target of
+       an element of a layer has the height across the layer from reference (NULL: from coordinates),
+       smoothed along the layer, and regular edges along it (docs/targets.md). Other elements should be
+       regular. Flat elements on a layer belong to it. Where a wall was moved into its layers, the rows
+       inside give the first heights.
+       No element needs to be valid. To measure the mesh after smoothing, give planish_measure_cells
+       the mesh before it as reference. */
     const uint8_t *is_layer;
-    /* [n_nodes] the edge lengths that elements are to have at the nodes, as these are at reference (NULL:
-       at coordinates); NULL: sizes do not count. They are linear between the nodes, and read where the
-       nodes go meanwhile. Elements are to be regular, and as large as the sizes say, in relation to one
-       another: all are multiplied by the factor by which the domain would hold as many elements as it
-       has (docs/targets.md). planish_options.size_weight, which must be above 0, says how much sizes
-       count. planish_plan_create reads them, and no plan needs them afterwards; planish_measure is
-       against the sizes where elements were when the plan was made, or has smoothed last. Positive,
-       finite, none larger than 1e12 times another. Not with is_layer, part, or periodic. */
+    /* [n_nodes] the edge lengths that elements should have at the nodes of reference (NULL: of
+       coordinates). NULL: sizes do not count. Sizes are linear between the nodes, and follow the place
+       of an element while it moves. Elements should be regular, with these sizes relative to one
+       another: one factor scales all sizes so that the domain would hold the number of elements that it
+       has (docs/targets.md). planish_options.size_weight says how much sizes count; it must be above 0.
+       Only planish_plan_create reads this array. planish_measure compares with the sizes at the places
+       that elements had when the plan was made, or after the plan's last smoothing. Sizes are positive
+       and finite, and none is larger than 1e12 times another. Not with is_layer, part, or periodic. */
     const double *size;
-    /* [n_nodes][dim (dim + 1) / 2] or NULL: as size, but the lengths depend on the direction. An edge e
-       is to have e^T M e = 1, M the symmetric matrix m11, m12, m22, m13, m23, m33 of the place, in the
-       plane m11, m12, m22. Elements are to be regular where lengths are measured so; M^(-1/2), whose
-       eigenvalues are edge lengths, is linear between the nodes. All are multiplied by a factor as sizes
-       are. planish_options.size_weight may be 0: then directions and proportions count alone. Each M
-       must be positive definite, and no edge length larger than 1e12 times another. Not with size, or what
-       that excludes. */
+    /* [n_nodes][dim (dim + 1) / 2] or NULL: like size, but lengths depend on the direction. An edge e
+       should have e^T M e = 1, where M is the symmetric matrix m11, m12, m22, m13, m23, m33 of the
+       place (in the plane m11, m12, m22). Elements should be regular in these lengths. M^(-1/2), whose
+       eigenvalues are edge lengths, is linear between the nodes. One factor scales all metrics, as for
+       sizes. planish_options.size_weight may be 0: then only directions and proportions count. Each M
+       must be positive definite, and no edge length larger than 1e12 times another. Not with size, nor
+       with any field that size excludes. */
     const double *metric;
     const void *reserved[2]; /* NULL */
 } planish_mesh;
@@ -256,12 +255,12 @@ typedef struct planish_mesh {
 
 /** Role of a node in a process that has a part of the mesh. */
 typedef enum planish_role {
-    PLANISH_ROLE_OWN = 0,    /* it moves it, and no other process has it */
-    PLANISH_ROLE_SHARED = 1, /* it moves it, and others have it as a ghost */
+    PLANISH_ROLE_OWN = 0,    /* this process moves the node, and no other process has it */
+    PLANISH_ROLE_SHARED = 1, /* this process moves the node, and others have it as a ghost */
     PLANISH_ROLE_GHOST = 2   /* another process moves it */
 } planish_role;
 
-/** Called with the value of a ghost that has arrived. */
+/** Function that takes the value of a ghost that has arrived. */
 typedef void planish_take_fn(int32_t ghost, const void *value, void *taker);
 
 /** Part of a mesh that several processes share, and how this process reaches the others: for MPI
@@ -311,18 +310,18 @@ typedef struct planish_surface {
     const int32_t *region; /* [n_elements] numbers of regions; facets between two of them belong to
                               the surface. NULL: there is one region */
     int64_t n_facets;
-    const int32_t *facets;    /* [n_facets][dim] nodes of facets that bear tags: where tags change
-                                 the shape has an edge. Inside the mesh they belong to the
-                                 surface */
+    const int32_t *facets;    /* [n_facets][dim] nodes of facets with tags: the shape has an edge
+                                 where tags change. Such facets inside the mesh belong to the
+                                 surface, too */
     const int32_t *facet_tag; /* [n_facets], or NULL: all 0 */
     int64_t n_edges;
     const int32_t *edges;     /* [n_edges][2] 3-D: nodes of edges that are edges of the shape */
     const int32_t *edge_tag;  /* [n_edges], or NULL: all 0 */
-    const uint8_t *is_inside; /* [n_nodes] 1: known to be at no facet of the surface, interfaces
-                                 among them: that saves time. The nodes of planish_plan_get_free are
-                                 so if none of them is at an interface or tagged facet. NULL: not
-                                 known of any */
-    int tagged_only;          /* not 0: only nodes all of whose facets bear tags slide */
+    const uint8_t *is_inside; /* [n_nodes] 1: the caller knows that the node is on no facet of the
+                                 surface, interfaces included; this saves time. The nodes of
+                                 planish_plan_get_free qualify if none of them is on an interface or
+                                 tagged facet. NULL: nothing is known */
+    int tagged_only;          /* not 0: a node slides only if all of its facets have tags */
     int slide_interfaces;     /* not 0: nodes of curved interfaces between regions slide, too */
     double tolerance;         /* how far off a plane or line its nodes may be, as a fraction of the
                                  diagonal of the bounding box, 0 .. 1e-3; 0: 1e-8 */
@@ -332,73 +331,75 @@ typedef struct planish_surface {
     const int64_t *facet_offset;
     const struct planish_shape *shape; /* planish_find_slides: nodes that do not slide on a plane or
                                           line slide on its patches and curves; NULL: they stay */
-    double crease_angle; /* planish_shape_create: facets that turn by more degrees have a feature
-                            between them, others none but for tags, 0 .. 180; 0: features are found
-                            (docs/surfaces.md) */
+    double crease_angle; /* planish_shape_create: an edge where facets turn by more than this angle,
+                            in degrees, 0 .. 180, is a feature; other edges are features only by
+                            their tags. 0: the library finds features (docs/surfaces.md) */
     const void *reserved[1]; /* NULL */
 } planish_surface;
 
 typedef struct planish_slide_info {
     int64_t n_surface;  /* nodes of the surface */
-    int64_t n_on_plane; /* those that can slide on planes, */
-    int64_t n_on_line;  /* and on lines, */
-    int64_t n_on_patch; /* on curved patches, */
-    int64_t n_on_curve; /* and on curves */
+    int64_t n_on_plane; /* nodes that can slide on planes */
+    int64_t n_on_line;  /* on lines */
+    int64_t n_on_patch; /* on curved patches */
+    int64_t n_on_curve; /* on curves */
     int64_t reserved[2];
 } planish_slide_info;
 
-/** Find the nodes that can slide while the shape of mesh stays what it is: those within planar
- *  pieces of the boundary or of interfaces between regions, and those within straight edges between
- *  such pieces. constraint [n_nodes] and direction [n_nodes][dim] are filled with what
- *  planish_mesh asks for. Nodes that mesh->constraint (NULL: all FREE) does not call FREE stay what
- *  they are there; nodes of the surface that cannot slide, among them those of interfaces and of
- *  tagged facets and edges that the mesh has not, and those at the place of another one (of parts
- *  side by side that have the nodes between them twice), become FIXED. With mesh->cells so do
- *  corners that cells hold, ends of a curved edge of the surface, and corners of a triangle that
- *  such an edge makes curved. Mids stay what they are; that of a curved edge is off its middle by
- *  more than tolerance. With surface->shape nodes that would become FIXED become ON_PATCH or ON_CURVE
- *  instead if they are so on the shape and only curved facets or edges hold them, of second order only
- *  if the shape has mids (planish_shape_info); nodes of facets between regions only with
- *  slide_interfaces. Those where its facets of first and second order meet become FIXED. surface and
- *  info may be NULL. threads: as in planish_options. Errors: _ARGUMENT (among them a
- *  shape of another number of nodes), _MESH, _MEMORY. */
+/** Find the nodes that can slide without a change of the mesh's shape: nodes within planar pieces of
+ *  the boundary or of interfaces between regions, and nodes within straight edges between such pieces.
+ *  Fill constraint [n_nodes] and direction [n_nodes][dim] for planish_mesh.
+ *  - A node that mesh->constraint does not call FREE keeps its constraint (NULL: all nodes are FREE).
+ *  - Nodes of the surface that cannot slide become FIXED: nodes of interfaces, nodes of tagged facets
+ *    and edges that the mesh does not have, and nodes at the place of another node (as where parts
+ *    side by side have the nodes between them twice).
+ *  - With mesh->cells these become FIXED, too: corners that cells hold, ends of a curved edge of the
+ *    surface, and corners of a triangle that such an edge makes curved. An edge is curved if its mid
+ *    is off the middle by more than tolerance. Mids keep their constraints.
+ *  - With surface->shape a node becomes ON_PATCH or ON_CURVE instead of FIXED if it is so on the shape
+ *    and only curved facets or edges hold it. Second-order facets and edges need a shape with mids
+ *    (planish_shape_info), facets between regions need slide_interfaces. Nodes where facets of first
+ *    and second order meet become FIXED.
+ *  surface and info may be NULL. threads: as in planish_options. Errors: _ARGUMENT (also a shape of
+ *  another number of nodes), _MESH, _MEMORY. */
 PLANISH_API int planish_find_slides(const planish_mesh *mesh, const planish_surface *surface,
                                     int threads, uint8_t *constraint, double *direction,
                                     planish_slide_info *info, planish_error *error);
 
 /* ---- Curved surfaces ------------------------------------------------------------------------ */
 
-/** Shape of a surface in space as it came: patches of smooth triangles, the curves between them, and
- *  corners. Nothing changes it. */
+/** Original shape of a surface in space: patches of smooth triangles, the curves between them, and
+ *  corners. No call changes a shape. */
 typedef struct planish_shape planish_shape;
 
 typedef struct planish_shape_info {
-    int64_t n_nodes;    /* of the surface */
-    int64_t n_facets;   /* triangles; a quadrilateral is two, but with mids one */
-    int64_t n_patches;  /* pieces between features */
-    int64_t n_edges;    /* edges of features, */
-    int64_t n_creases;  /* those of them that are features by their bend alone */
-    int64_t n_on_patch; /* nodes that can slide on patches, */
-    int64_t n_on_curve; /* on curves, */
-    int64_t n_corners;  /* and others */
+    int64_t n_nodes;   /* of the surface */
+    int64_t n_facets;  /* triangles; a quadrilateral is two, but with mids one */
+    int64_t n_patches; /* pieces between features */
+    int64_t n_edges;   /* edges of features */
+    int64_t n_creases; /* edges of n_edges that are features only because the surface bends there */
+    int64_t n_on_patch; /* nodes that can slide on patches */
+    int64_t n_on_curve; /* nodes that can slide on curves */
+    int64_t n_corners;  /* nodes that cannot slide */
     double edge_length; /* mean length of the edges, in units of the coordinates */
     int64_t
         n_mids; /* nodes in the middle of edges or facets of second order; the surface is then the
-                           curved one of these facets, edges count as two, and corners alone are in n_on_patch,
-                           n_on_curve and n_corners */
-    int64_t n_open_edges;        /* edges of one facet, */
-    int64_t n_nonmanifold_edges; /* of more than two, and */
-    int64_t n_conflict_edges; /* of two that cannot be oriented alike, as around a Moebius strip */
-    int64_t n_turned; /* facets that are elements, listed the other way round than most they hang
-                         together with */
+                           curved one of these facets, edges count as two, and corners alone are in
+                           n_on_patch, n_on_curve and n_corners */
+    int64_t n_open_edges;        /* edges of one facet */
+    int64_t n_nonmanifold_edges; /* edges of more than two facets */
+    int64_t n_conflict_edges; /* edges of two facets that cannot be oriented alike, as in a Moebius
+                                 strip */
+    int64_t n_turned; /* facets that are elements and list their nodes in the opposite order to most
+                         facets that edges join to them */
     int64_t n_flat;   /* facets without area */
     int64_t reserved[1];
 } planish_shape_info;
 
 /** Make the shape of the surface of mesh, which is in space: the boundary, interfaces between
- *  regions, and tagged facets. surface (may be NULL): tags, regions, crease_angle; its shape is not
- *  looked at. The shape remembers mesh->coordinates, so that it can serve many calls without drift; the
- *  arrays of mesh are not needed any more. threads: as in planish_options. info may be NULL.
+ *  regions, and tagged facets. surface (may be NULL) gives tags, regions and crease_angle; its shape
+ *  is ignored. The shape keeps a copy of mesh->coordinates, so that many calls cause no drift; it does
+ *  not refer to the arrays of mesh. threads: as in planish_options. info may be NULL.
  *  Errors: _ARGUMENT, _MESH, _MEMORY, _PARTS (mesh->part). */
 PLANISH_API int planish_shape_create(const planish_mesh *mesh, const planish_surface *surface,
                                      int threads, planish_shape **shape, planish_shape_info *info,
@@ -412,7 +413,7 @@ typedef enum planish_shape_class {
     PLANISH_SHAPE_NONE = 0, /* it is not on the surface */
     PLANISH_SHAPE_PATCH = 1,
     PLANISH_SHAPE_CURVE = 2,
-    PLANISH_SHAPE_CORNER = 3 /* of curves, or of an unclear surface: it stays */
+    PLANISH_SHAPE_CORNER = 3 /* end of curves, or the surface is unclear there: the node stays */
 } planish_shape_class;
 
 /** Fill node_class [nodes of the mesh] with planish_shape_class. */
@@ -423,14 +424,13 @@ PLANISH_API void planish_shape_get_edges(const planish_shape *shape, int32_t *ed
 
 /** How far a surface is off its shape. Bounds are proved for every point, not sampled. */
 typedef struct planish_shape_distance {
-    double distance;      /* no point of the surface is farther off the first one, */
-    double distance_back; /* and no point of the first one off the surface, in units of the
-                             coordinates; infinite: not proved */
-    double in_edges,
-        back_in_edges;  /* largest of the same in mean edges of the first surface there */
-    int64_t n_unproved; /* facets of both for which there is no bound */
-    double max_bend; /* largest angle between facets across an edge that is no feature, degrees, */
-    double max_bend_before; /* and of the first surface */
+    double distance;      /* largest distance of a point of the surface from the shape, in units of
+                             the coordinates; infinite: not proved */
+    double distance_back; /* largest distance of a point of the shape from the surface */
+    double in_edges, back_in_edges; /* largest distances, in mean edge lengths of the shape there */
+    int64_t n_unproved;             /* facets of surface and shape without a proved bound */
+    double max_bend; /* largest angle between facets at an edge that is not a feature, degrees */
+    double max_bend_before; /* largest such angle of the shape */
     int64_t reserved[8];
 } planish_shape_distance;
 
@@ -458,7 +458,7 @@ typedef enum planish_number {
 
 /** Array of one number per element, as files have them. The caller owns all of it. */
 typedef struct planish_cell_array {
-    const char *name;        /* its name, or NULL */
+    const char *name;        /* or NULL */
     const void *values;      /* [n_elements] numbers of type, one after the other */
     planish_number type;     /* of the numbers */
     int is_region;           /* 1: the array tells regions; 0: it does not */
@@ -466,18 +466,18 @@ typedef struct planish_cell_array {
 } planish_cell_array;
 
 /** Return what the name of an array says about regions, letter case ignored. Above 0: arrays of
- * that name tell regions ("gmsh:physical", "MaterialIDs", ...), the more telling name has the lower
- * number. -1: the array says how the mesh is shared out or where its elements come from
- * ("partition", "rank", "vtkGhostType", "vtkOriginalCellIds", ...), and is no region unless the
- * caller says so. 0: the name says nothing, or is NULL. */
+ * that name tell regions ("gmsh:physical", "MaterialIDs", ...); a clearer name has a lower number.
+ * -1: the array tells which process has an element, or where elements come from ("partition",
+ * "rank", "vtkGhostType", "vtkOriginalCellIds", ...); it tells regions only if the caller says so.
+ * 0: the name says nothing, or is NULL. */
 PLANISH_API int planish_region_name(const char *name);
 
 /** Find the arrays that tell regions (docs/algorithm.md, "Regions"): is_region of each of arrays
  *  [n_arrays] becomes 1 or 0. An array tells regions if all of its values are whole numbers within
  *  64 bits, if two of them differ at least, and if at most half of the facets between two elements
- *  lie between different values. Its name may decide (planish_region_name): -1 is no region; of the
- *  arrays above 0 the one with the lowest number is a region wherever its values differ. The mesh's
- *  coordinates are not used. threads: as in planish_options. Errors, with arrays untouched:
+ *  lie between different values. Its name may decide (planish_region_name): an array of -1 does not
+ *  tell regions; of the arrays above 0 the one with the lowest number does if its values differ. The
+ *  mesh's coordinates are not used. threads: as in planish_options. Errors, with arrays untouched:
  *  _ARGUMENT, _MESH, _MEMORY, _PARTS (mesh->part: ask for the whole mesh). */
 PLANISH_API int planish_find_regions(const planish_mesh *mesh, planish_cell_array *arrays,
                                      int n_arrays, int threads, planish_error *error);
@@ -505,18 +505,19 @@ PLANISH_API int planish_find_interfaces(const planish_mesh *mesh, const int32_t 
 
 /** Find the elements that are thin in layers, as in a boundary layer or in a stretched mesh. Such
  * elements are thin on purpose, and smoothing would make them regular. The shortest edge of a
- * simplex in a layer is at most a quarter of its longest. The shortest edges of elements around go
- * along with it, and some of these are beside it. Slivers, elements that are bad by chance, and
- * slices around an axis do not pass. Elements of the rows before and behind belong to the layer as
- * long as their shortest edge continues across the layer and is shorter than their other edges by a
- * factor of 1.2. In a mesh that is stretched throughout in one direction, all simplices count that
- * are thin in that direction (docs/algorithm.md).
+ * simplex in a layer is at most a quarter of its longest edge. The shortest edges of neighbouring
+ * elements are parallel to it, and some of these elements lie beside it in the layer. Slivers,
+ * elements that are bad by chance, and slices around an axis do not count. Elements of the rows
+ * above and below belong to the layer as long as their shortest edge continues across the layer and
+ * is shorter than their other edges by a factor of 1.2. In a mesh that is stretched everywhere in
+ * one direction, all simplices that are thin in that direction count (docs/algorithm.md).
  * Of mesh->cells, wedges, hexahedra and quadrilaterals of order 1 and 2 count, too: the edges
- * between the triangles of a wedge, or one of the families of parallel edges of the others, are at
- * most a quarter of all others. These elements are valid with a scaled Jacobian of at least 0.3. Their
- * rows go on along the layer, up to 16 elements, to valid ones with a factor of 1.2, and across to
- * valid ones that lean. A layer of fewer than 8, or that touches more than one per twenty which is
- * badly shaped and not stacked on it, does not count.
+ * between the triangles of a wedge, or one family of parallel edges of the others, are at most a
+ * quarter of all other edges. These elements are valid with a scaled Jacobian of at least 0.3. Their
+ * rows continue along the layer, up to 16 elements, over valid elements with a factor of 1.2, and
+ * across the layer over valid elements that lean. A layer does not count if it has fewer than 8
+ * elements, or if it touches more than one badly shaped element per twenty of its own elements;
+ * elements that are stacked on the layer are not among these.
  * is_layer [n_elements] is filled with 0 or 1; *n_layer (may be NULL) counts the ones. The call
  * costs little where few elements are thin. threads: as in planish_options. Errors: _ARGUMENT,
  * _MESH, _MEMORY, _PARTS (mesh->cells and part). */
@@ -525,9 +526,9 @@ PLANISH_API int planish_find_layers(const planish_mesh *mesh, int threads, uint8
 
 /* ---- Options ------------------------------------------------------------------------------ */
 
-/** How nodes are moved. The Laplacian methods are what the paper compares with: unguarded, they may
- *  invert elements, and none of the promises of planish_smooth holds but those on fixed nodes,
- *  bounds and bits. */
+/** How nodes are moved. The paper compares with the Laplacian methods. They check nothing and may
+ *  invert elements. Of the promises of planish_smooth only those on fixed nodes, bounds and bits
+ *  hold for them. */
 typedef enum planish_method {
     PLANISH_METHOD_PLANISH = 0,         /* constrained optimisation of each star */
     PLANISH_METHOD_LAPLACIAN = 1,       /* to the mean of the neighbours */
@@ -536,8 +537,8 @@ typedef enum planish_method {
     PLANISH_METHOD_LENGTH_LAPLACIAN = 3 /* to the mean of the neighbours, by their distances */
 } planish_method;
 
-/** The aspect ratio AR of an element; 1 for the regular one and larger for any other. In a mixed mesh
- *  AR^2 is the mean over the corners of an element. */
+/** Aspect ratio AR of an element that is minimised: 1 for the regular element and larger for any
+ *  other. In a mixed mesh AR^2 is the mean over the corners of an element. */
 typedef enum planish_objective {
     PLANISH_OBJECTIVE_RADIUS_RATIO = 0, /* R/(3r), R/(2r) in 2-D: the paper's; in a mixed mesh the
                                            mean ratio */
@@ -570,8 +571,8 @@ typedef enum planish_search {
     PLANISH_SEARCH_FLETCHER_REEVES = 1 /* conjugate directions, the paper's (its equation 3) */
 } planish_search;
 
-/** Volumes are met from 1 minus this of the minimum volume on, the paper's threshold: g = 1 -
- * V/delta above it is violated. */
+/** Tolerance of minimum volumes, the paper's threshold: an element meets its minimum volume delta
+ * unless g = 1 - V/delta is above this. */
 #define PLANISH_VOLUME_TOLERANCE 0.003
 
 /** Format in which a coordinate is stored in the end. The positions of moving nodes are rounded
@@ -589,7 +590,7 @@ typedef enum planish_phase {
     PLANISH_PHASE_UNTANGLE,   /* this sweep, or the last one, untangled elements or brought them
                                  above their minimum volume; F may have risen */
     PLANISH_PHASE_WORST       /* to improve the worst elements (options.worst); the values are those
-                                 from before the sweep until they are known to stand */
+                                 before the sweep until the sweep's result is accepted */
 } planish_phase;
 
 /** Kernel variants; all of them give the same bits. */
@@ -610,7 +611,7 @@ typedef struct planish_progress {
     double rms;     /* RMS of AR (RR by default) over the valid elements after the last sweep:
                        measured at first and when it has fallen much, else tracked by what
                        the visits report */
-    double rms_movable;         /* the same over the valid elements with a movable node */
+    double rms_movable;         /* rms over the valid elements with a movable node */
     double objective;           /* F over the valid elements after the last sweep; rms by default */
     int64_t n_inverted;         /* elements that are not positive, after the last sweep */
     int64_t n_below_min_volume; /* elements below 0.997 of their minimum volume after it */
@@ -625,14 +626,14 @@ typedef struct planish_progress {
     int64_t reserved[3];
 } planish_progress;
 
-/** Called on the calling thread after every colour and once more at the end of every sweep. While
- * planish_smooth looks long for proofs between two sweeps, it calls this too, 20 times a second. A
- * result other than 0 ends the smoothing there: the mesh that planish_smooth returns is then no
- * worse than before, and valid if it was. A sweep that is cut short (by this or the time limit)
- * still gets its last call, whose result does not matter. The caller's coordinates change only when
- * planish_smooth returns. The plan must not be used in here, but for planish_measure and, with
- * options whose progress is NULL, planish_check_volumes. With bind, the calling thread is bound meanwhile, and threads made in here
- * inherit that.
+/** Function that planish_smooth calls on the caller's thread after every colour and once more at the
+ * end of every sweep. During a long search for proofs between two sweeps it is called 20 times a
+ * second. A result other than 0 ends the smoothing there: the mesh is then no worse than before,
+ * and valid if it was valid. A sweep that is cut short (by this function or the time limit) still
+ * gets its last call, whose result does not matter. The caller's coordinates change only when
+ * planish_smooth returns. The function must not use the plan, except for planish_measure and, with
+ * options whose progress is NULL, planish_check_volumes. With bind, the calling thread is bound
+ * meanwhile, and threads that the function starts inherit that.
  */
 typedef int planish_progress_fn(const planish_progress *progress, void *user);
 
@@ -663,10 +664,10 @@ typedef struct planish_allocator {
 /** Task number index, 0 .. n_tasks - 1. */
 typedef void planish_task_fn(void *data, int index);
 
-/** Threads of the caller's: call task(data, index) once for each index below n_tasks, on as many
- *  threads at a time as there are for it, and return when all of them have returned. The same bits
- *  whatever that does, one task after the other included. Called on the thread that called the
- *  library. */
+/** Function that runs tasks on threads of the caller. Call task(data, index) once for each index
+ *  below n_tasks, on any number of threads at a time, and return when all tasks have returned. The
+ *  result has the same bits however tasks are spread, also one after the other. The library calls
+ *  this function on the thread that called the library. */
 typedef void planish_parallel_fn(int n_tasks, planish_task_fn *task, void *data, void *user);
 
 typedef enum planish_log_level {
@@ -674,66 +675,66 @@ typedef enum planish_log_level {
     PLANISH_LOG_DETAIL = 2 /* what is being done */
 } planish_log_level;
 
-/** One line of text, without its end, on the thread that called the library. The plan must not be
- *  used in here. */
+/** Function that takes one line of text, without a line end, on the thread that called the library.
+ *  It must not use the plan. */
 typedef void planish_log_fn(planish_log_level level, const char *text, void *user);
 
 typedef struct planish_options {
     size_t struct_size; /* set by planish_options_init; calls refuse another size than theirs */
-    int threads; /* 1 .. 1024; 0: as many as OpenMP would use and as the mesh is large enough for,
-                    with bind at most as many as there are cores. If the system cannot start that
-                    many, libgomp ends the process: see docs/architecture.md */
+    int threads; /* 1 .. 1024; 0: as many as OpenMP would use, fewer for a small mesh, with bind at
+                    most one per core. If the system cannot start that many, libgomp ends the
+                    process: see docs/architecture.md */
     int bind;    /* not 0: bind each thread to a core while the library runs, if
                     there are as many threads as cores, more than one, and hwloc */
     planish_isa isa;             /* kernel variant */
     planish_method method;       /* how nodes are moved */
     planish_objective objective; /* AR in F = mu1 RMS(AR) + mu2 RMS(g) */
     planish_search search;       /* search direction of the local problem */
-    double min_volume;           /* delta, the minimum volume (area in 2-D) of every element, or */
-    double min_volume_fraction;  /* delta as a fraction of the domain's volume; 0: none, elements
-                                    only stay positive. At most one of the two */
-    double area_weight;          /* mu2 = 1 - mu1, 0 .. 1: weight of g = 1 - V/delta in F; above 0
-                                    every element needs a delta */
+    double min_volume;           /* delta, the minimum volume (area in 2-D) of every element; or */
+    double min_volume_fraction;  /* delta as a fraction of the domain's volume. Set at most one of
+                                    the two; 0: no minimum, elements only stay positive */
+    double area_weight;          /* mu2 = 1 - mu1, 0 .. 1: weight of g = 1 - V/delta in F; if it is
+                                    above 0, every element needs a delta */
     const double *lower, *upper; /* [n_nodes][dim] whatever the strides: bounds, or NULL: none */
     double box_lower[3];         /* bounds for all nodes, -INFINITY and INFINITY: none; a node */
     double box_upper[3];         /* that starts outside of its bounds stays where it is */
     double max_displacement;     /* how far from its start a node may go; 0: any distance */
-    double rounding; /* of elements of order 2: the farthest that a mid of a straight one
-                                    is off the middle of its edge; 1e-6 of the element's longest edge
-                                    is always allowed. The same for plan and call */
+    double rounding; /* elements of order 2: largest distance of a mid from the middle of
+                                    a straight edge; 1e-6 of the element's longest edge is always
+                                    allowed. Give plan and call the same value */
     planish_length_unit displacement_unit; /* of max_displacement */
-    planish_precision precision;           /* what coordinates are stored as in the end */
-    int untangle;           /* not 0 (the default): elements that are not positive are repaired
-                               first where that can be done, and those below their minimum
-                               volume while it is smoothed; 0: they are left alone */
-    planish_worst worst;    /* what is improved of the worst elements in the end, by rounds of
-                               joint steps that max_sweeps does not count */
-    double worst_rise;      /* and by how much of itself F may rise for that; 0.01 */
-    int max_sweeps;         /* of smoothing, at least 0, and as many again after nodes were
-                               put back (planish_result); untangling has its own bound. In a
-                               slow mesh each of Newton's steps counts as one, and so does each
-                               iteration of L-BFGS */
-    double tolerance;       /* relative fall of the movable RMS that counts as converged; stars
-                               that fall by less than half do not set off visits around them */
+    planish_precision precision;           /* format in which coordinates are stored in the end */
+    int untangle;           /* not 0 (the default): repair elements that are not positive first,
+                               where possible, and elements below their minimum volume during
+                               smoothing; 0: leave them alone */
+    planish_worst worst;    /* measure of the worst elements that is improved in the end, by
+                               rounds of joint steps that max_sweeps does not count */
+    double worst_rise;      /* largest relative rise of F for the worst elements; 0.01 */
+    int max_sweeps;         /* largest number of smoothing sweeps, 0 or more, and as many again
+                               after nodes were put back (planish_result); untangling has its
+                               own bound. In a slow mesh each Newton step and each iteration of
+                               L-BFGS counts as a sweep */
+    double tolerance;       /* relative fall of the movable RMS that counts as converged; a star
+                               that falls by less than half of it sets off no visits around it */
     double time_limit;      /* seconds, 0: none */
-    double only_worse_than; /* move only nodes of elements of RR (AR) above it, or below their
-                               minimum volume, or not positive; 0: all. In planish_smooth:
-                               visit only stars with such an element. In planish_plan_create:
-                               only nodes that have one there can move, so that the plan is
-                               as cheap as they are few; sweeps end a little earlier then */
-    int rings;              /* and nodes of so many rings of neighbouring elements, 0 .. 100; 0
+    double only_worse_than; /* move only nodes of bad elements: elements with an RR (AR) above this,
+                               below their minimum volume, or not positive; 0: all nodes.
+                               planish_smooth visits only stars with a bad element.
+                               planish_plan_create lets only nodes of bad elements move, so that
+                               a plan for few nodes is cheap; sweeps then end a little earlier */
+    int rings;              /* also move nodes of this many rings of elements around, 0 .. 100; 0
                                without only_worse_than and around. With only_worse_than,
-                               elements that are not positive have 4 rings at least */
-    /* In planish_plan_create: only these nodes can move, and those of rings rings of elements
-       around them. The plan knows nothing of the rest of the mesh; see there. */
+                               elements that are not positive have at least 4 rings */
+    /* In planish_plan_create: only these nodes can move, and the nodes of `rings` rings of elements
+       around them. The plan knows nothing about the rest of the mesh; see there. */
     int64_t n_around;               /* at least 1 with around, 0 without */
     const int64_t *around;          /* [n_around] nodes, in any order; NULL: all nodes */
-    const int64_t *around_elements; /* [n_around] an element of each; NULL: they are looked for */
+    const int64_t *around_elements; /* [n_around] an element of each; NULL: the plan finds them */
     planish_progress_fn *progress;  /* or NULL */
     void *progress_user;            /* handed to progress */
     planish_project_fn
-        *project;       /* of nodes with PLANISH_CONSTRAINT_ON_SURFACE; NULL: these stay, but count
-                                       as nodes that slide */
+        *project;       /* for nodes with PLANISH_CONSTRAINT_ON_SURFACE; NULL: these nodes do not
+                           move, but count as sliding */
     void *project_user; /* handed to project */
     /* Of planish_plan_create; a plan keeps them: */
     const planish_allocator *allocator; /* copied; NULL: the system's */
@@ -744,28 +745,28 @@ typedef struct planish_options {
     void *log_user;                     /* handed to log */
     planish_round_fn *round;            /* with PLANISH_PRECISION_ROUNDED */
     void *round_user;                   /* handed to round */
-    double curve_quality; /* 0 .. 1: mids of curved elements whose least Bezier coefficient of
-                                det J is below so much of their mean move by themselves, on the
-                                boundary alone with their edges; 0.3 by default, 0: none */
+    double curve_quality; /* 0 .. 1: mids move on their own in curved elements whose least Bezier
+                             coefficient of det J is below this fraction of the coefficients' mean;
+                             on the boundary they only follow their edges. 0.3 by default, 0: none */
     const struct planish_shape *
-        shape; /* of nodes with PLANISH_CONSTRAINT_ON_PATCH and _ON_CURVE, made of a mesh of the same
-                   nodes; the same for plan and call. NULL: these stay, but count as nodes that
-                   slide */
-    double surface_tolerance;                   /* how far the surface may be off the shape; 0: 0.05
-                                                   edges */
-    planish_length_unit surface_tolerance_unit; /* of surface_tolerance, and edges are those of the
+        shape; /* for nodes with PLANISH_CONSTRAINT_ON_PATCH and _ON_CURVE, made from a mesh with the
+                  same nodes. Give plan and call the same shape. NULL: these nodes do not move, but
+                  count as sliding */
+    double surface_tolerance; /* largest distance of the surface from the shape; 0:
+                                                   0.05 edges */
+    planish_length_unit surface_tolerance_unit; /* unit of surface_tolerance; edges are those of the
                                                    shape at the node */
     double
-        size_weight; /* 0 .. 1, of planish_plan_create with planish_mesh.reference, size or metric: w in
-                           (1 - w) mu^2 + w (tau + 1 / tau) / 2, which counts in the place of mu^2;
-                           tau is the measure of a corner in units of its target's */
+        size_weight; /* 0 .. 1, for planish_plan_create with planish_mesh.reference, size or metric: w in
+                        (1 - w) mu^2 + w (tau + 1 / tau) / 2, which replaces mu^2; tau is the measure
+                        of a corner divided by that of its target */
     const void *reserved[2]; /* NULL */
 } planish_options;
 
-/** Fill in the defaults: as many threads as OpenMP would use and as the mesh is large enough for,
- * not bound; the fastest kernel; radius ratio by constrained optimisation, Newton, volumes only
- * positive, no bounds; doubles; untangling; nothing for the worst, worst_rise 0.01; 200 sweeps,
- * tolerance 1e-5, no time limit; all nodes; no callback. */
+/** Fill in the defaults: as many threads as OpenMP would use, fewer for a small mesh, not bound; the
+ * fastest kernel; radius ratios by constrained optimisation with Newton's direction; no minimum
+ * volume, no bounds; doubles; untangling; worst NONE, worst_rise 0.01; 200 sweeps, tolerance 1e-5,
+ * no time limit; all nodes; no callback. */
 #define planish_options_init(options) planish_options_init_sized((options), sizeof *(options))
 
 /** Do the work of planish_options_init for a structure of size bytes: the caller's sizeof. No byte
@@ -774,28 +775,31 @@ PLANISH_API void planish_options_init_sized(planish_options *options, size_t siz
 
 /* ---- Another surface ------------------------------------------------------------------------ */
 
-/** The surface of a mesh of solids, and a surface of other triangles that it is to be fitted to: the
- *  places there of its nodes. Nodes of patches belong where the other surface is nearest and turns the same
- *  way, those of curves on a curve, corners at a corner; where there is none in reach, on a patch, and stay
- *  there. */
+/** Fit of the surface of a mesh of solids to another surface, made of other triangles: the place of each
+ *  node there. A node of a patch belongs where the other surface is nearest and faces the same way, a
+ *  node of
+ *  a curve on a curve, a corner at a corner. If no curve or corner is in reach, the node belongs on a
+ *  patch, and stays there. */
 typedef struct planish_fit planish_fit;
 
 typedef struct planish_fit_info {
-    int64_t n_nodes;        /* of the mesh's boundary: those of them that */
-    int64_t n_on_patch;     /* belong on patches of the other surface, */
-    int64_t n_on_curve;     /* on curves */
-    int64_t n_on_corner;    /* and at corners; */
-    int64_t n_out_of_reach; /* have no place, and stay */
-    int64_t n_held;         /* are held by the caller, or by elements that are not smoothed */
+    int64_t n_nodes;        /* nodes of the mesh's boundary */
+    int64_t n_on_patch;     /* nodes that belong on patches of the other surface */
+    int64_t n_on_curve;     /* nodes that belong on curves */
+    int64_t n_on_corner;    /* nodes that belong at corners */
+    int64_t n_out_of_reach; /* nodes without a place; they stay */
+    int64_t n_held;         /* nodes that the caller, or elements that are not smoothed, hold */
     int64_t n_off;          /* nodes that are not at their places yet */
-    double farthest;        /* one of them from there, in units of the coordinates */
+    double farthest; /* largest distance of a node from its place, in units of the coordinates */
     int64_t reserved[8];
 } planish_fit_info;
 
-/** Find the places of the boundary's nodes of mesh, of solids of order 1, on the shape onto. shape is that of
- *  mesh. onto is made of other triangles (planish_shape_create of a mesh of faces, or of another mesh of
- *  solids). Both are needed as long as fit is. reach: how far a node may be from its place, in the mean
- *  length of its edges; 0: 3. options (NULL: defaults): threads, precision, round. Nodes that
+/** Find the places of the boundary nodes of mesh on the shape onto. mesh has solids of order 1, and
+ *  shape is
+ *  its shape. onto is made from other triangles (planish_shape_create of a mesh of faces, or of another
+ *  mesh
+ *  of solids). Keep both shapes as long as fit. reach: largest distance of a node from its place, in mean
+ *  lengths of its edges; 0: 3. options (NULL: defaults): threads, precision, round. Nodes that
  *  mesh->constraint calls FIXED stay. info may be NULL.
  *  Errors: _ARGUMENT (elements of order 2, periodic pairs, a plane mesh), _MESH (a wrong node number or
  *  coordinate; no node is in reach), _MEMORY, _PARTS. */
@@ -807,29 +811,35 @@ PLANISH_API int planish_fit_create(const planish_mesh *mesh, const planish_shape
 /** Free fit; NULL is allowed. */
 PLANISH_API void planish_fit_destroy(planish_fit *fit);
 
-/** Move the nodes of mesh, at coordinates as its strides say, to their places as far as elements stay valid:
- *  in rounds, between which other nodes are smoothed, those on the other surface along it, too. Elements may
- *  get worse, but none becomes invalid. mesh is that of fit. options (NULL: defaults): as for
- *  planish_smooth, but that project, shape, method, worst, only_worse_than and around are not looked at, and
- *  bounds are of the smoothing alone; progress is called in its sweeps. time_limit is of the whole call. What
- *  could not be done is in info (may be NULL): planish_smooth, or another call, may make room for more.
+/** Move the nodes of mesh to their places, as far as elements stay valid. The call works in rounds, and
+ *  smooths the other nodes between them; nodes on the other surface slide along it. Elements may get
+ *  worse,
+ *  but none becomes invalid. mesh is the mesh of fit; coordinates have its strides. options (NULL:
+ *  defaults)
+ *  are as for planish_smooth, except that project, shape, method, worst, only_worse_than and around are
+ *  ignored, and bounds hold for the smoothing only; progress is called in its sweeps. time_limit is for
+ *  the
+ *  whole call. info (may be NULL) tells how many nodes are not at their places; planish_smooth, or
+ *  another call, may make room for them.
  *  Errors: as of planish_plan_create and planish_smooth; coordinates are then untouched. */
 PLANISH_API int planish_fit_move(planish_fit *fit, const planish_mesh *mesh, double *coordinates,
                                  const planish_options *options, planish_fit_info *info,
                                  planish_error *error);
 
-/** Say in constraint [n_nodes] how the nodes of the mesh's surface, interfaces between regions included, are
- *  smoothed: those that slide along the other surface are ON_SURFACE, by options.project =
- *  planish_fit_project and project_user = fit, all others FIXED. Entries of other nodes stay. */
+/** Fill constraint [n_nodes] for the nodes of the mesh's surface, interfaces between regions included:
+ *  nodes
+ *  that slide along the other surface become ON_SURFACE, all others FIXED. Smooth with options.project =
+ *  planish_fit_project and project_user = fit. Entries of other nodes do not change. */
 PLANISH_API void planish_fit_constrain(const planish_fit *fit, uint8_t *constraint);
 
-/** A planish_project_fn: user is a fit. */
+/** Project a node on the other surface: a planish_project_fn whose user is a fit. */
 PLANISH_API planish_constraint planish_fit_project(int64_t node, double *point, double *direction,
                                                    void *fit);
 
-/** Bound how far the boundary of mesh, at mesh->coordinates, is off the other surface (distance), and the other
- *  surface off it (distance_back); in_edges are those of the mesh's boundary. Bends are 0. Proved as
- *  planish_measure_shape does. Errors: _ARGUMENT, _MESH, _MEMORY. */
+/** Bound the distance of the boundary of mesh, at mesh->coordinates, from the other surface (distance),
+ *  and
+ *  the distance back; edge lengths are those of the mesh's boundary. Bends are 0. The bounds are proved,
+ *  as those of planish_measure_shape. Errors: _ARGUMENT, _MESH, _MEMORY. */
 PLANISH_API int planish_fit_measure(const planish_fit *fit, const planish_mesh *mesh,
                                     planish_shape_distance *distance, planish_error *error);
 
@@ -845,8 +855,8 @@ typedef struct planish_plan_info {
     int64_t n_sliding;        /* nodes that may move on a plane, line or surface */
     int64_t n_unused;         /* nodes of no element; -1 with only_worse_than or around */
     int64_t n_fixed_elements; /* elements without a movable node */
-    int64_t n_components;     /* of elements joined by facets; -1 in most meshes: all measures have
-                                 one sign, and no facet contradicts it */
+    int64_t n_components;     /* components: elements joined by facets. -1 in most meshes, where all
+                                 measures have one sign and no facet contradicts it */
     int64_t n_negative_order; /* elements whose listed order contradicts the orientation that the
                                  plan has found; it does not change when nodes move
                                  (planish_quality.n_reversed compares signs of measures, which do).
@@ -857,10 +867,10 @@ typedef struct planish_plan_info {
     int64_t n_duplicate_elements; /* elements with the corners of an earlier one, or (of other types
                                      than simplices) with a facet twice, whose nodes are held */
     int n_colours;                /* sets of free or sliding nodes that do not share an element */
-    int threads;                  /* number that works for the plan */
+    int threads;                  /* number of threads that work for the plan */
     const char *isa;              /* name of the kernel variant in use; static text */
     const char *binding;          /* where the threads are; text of the plan */
-    int64_t bytes;                /* memory the plan holds, with what it keeps for the next call */
+    int64_t bytes;                /* memory of the plan, including memory kept for the next call */
     int64_t n_wrapped; /* elements that wrap around a periodic domain; their nodes are held */
     int64_t reserved[7];
 } planish_plan_info;
@@ -871,24 +881,22 @@ typedef struct planish_plan_info {
  *  refers to mesh->elements (not to elements64) or the arrays of mesh->cells, and to mesh->part with
  *  all that it points to: these must stay as they are until planish_plan_destroy; the other arrays
  *  are not read after the return.
- *  The plan decides the orientation of elements from these coordinates: for a mirrored copy of them
- *  make another plan. Nodes with more than 43690 elements are held. A mesh
- *  without elements is an error.
+ *  The plan decides the orientation of elements from these coordinates: make another plan for a
+ *  mirrored copy. Nodes with more than 43690 elements are held. A mesh without elements is an error.
  *
- *  With options.around the plan is for the elements that have one of its nodes, and so is what is
- *  said of elements in its info, in results and by planish_measure. Everything costs by these
- *  alone if around_elements and mesh->neighbours are given: nothing else of the mesh is read, or
- *  checked (but periodic pairs); the elements of a node are then those that it has together with
- *  the given one by facets at the node. Without them all elements are looked at while the plan is
- *  made. Which order is the positive one is decided from the plan's elements, too: where all of
- *  them are inverted nobody sees it. Nodes of periodic pairs stay. around excludes only_worse_than
- *  and min_volume_fraction, which are about all of the mesh. The bits are those of a plan for all
- *  of it with its other nodes fixed, as long as nothing is untangled, raised to a minimum volume or
- *  done for options.worst.
+ *  With options.around the plan covers only the elements with one of its nodes; so do its info,
+ *  results and planish_measure. If around_elements and mesh->neighbours are given, time and memory
+ *  depend on these elements only: nothing else of the mesh is read or checked, except periodic
+ *  pairs. The elements of a node are then those that facets at the node join to the given element.
+ *  Otherwise the plan looks at all elements once. The plan decides the positive orientation from its
+ *  own elements, so it cannot notice if all of them are inverted. Nodes of periodic pairs stay.
+ *  around excludes only_worse_than and min_volume_fraction, which need the whole mesh. The bits are
+ *  the same as with a plan for the whole mesh that fixes the other nodes, unless elements are
+ *  untangled, raised to a minimum volume or improved for options.worst.
  *
- *  With only_worse_than, neighbours save passes over the elements if few of them are bad; the bits
- *  are the same. In a mesh in parts they are those of one process if what is smoothed is what the
- *  plan was made of: elsewhere one process may look at fewer elements when it untangles.
+ *  With only_worse_than, neighbours save passes over the elements if few elements are bad; the bits
+ *  are the same. A mesh in parts gives the bits of one process if it is smoothed from the coordinates
+ *  that the plan was made with; from others, a process may look at fewer elements when it untangles.
  *
  *  Errors: _ARGUMENT, _MESH (element or node is set, but for a mesh without elements), _MEMORY;
  *  with mesh->part also _PROCESS, and _PARTS (around, periodic pairs). */
@@ -931,13 +939,13 @@ typedef enum planish_hold_reason {
 PLANISH_API int planish_plan_get_held(const planish_plan *plan, const double *coordinates,
                                       uint8_t *reason, planish_error *error);
 
-/** Tell which elements wrap around a periodic domain whose nodes are there once each: as drawn they
- *  reach from one side to the other. Their nodes are held, and they decide nothing about the
- *  orientation of the others. They are found if the axes are the periodic directions, most other
- *  elements have one sign and the domain has three elements or more across
- *  (docs/untangling.md); in a mesh in parts, and with options.around, none are. wrapped
- *  [n_elements of the mesh] (may be NULL) is filled with 0 or 1; *n (may be NULL) counts the ones.
- *  Of no plan (NULL) there are none, and wrapped stays as it is. */
+/** Find the elements that wrap around a periodic domain in which each node occurs once: drawn
+ *  plainly, they reach from one side to the other. Their nodes are held, and they do not influence
+ *  the orientation of other elements. planish finds them if the axes are the periodic directions,
+ *  most other elements have one sign, and the domain is at least three elements wide
+ *  (docs/untangling.md); it finds none in a mesh in parts or with options.around. Fill wrapped
+ *  [n_elements of the mesh] (may be NULL) with 0 or 1; *n (may be NULL) counts the ones. If plan is
+ *  NULL, *n is 0 and wrapped does not change. */
 PLANISH_API void planish_find_wrapped(const planish_plan *plan, uint8_t *wrapped, int64_t *n);
 
 /* ---- Quality ------------------------------------------------------------------------------ */
@@ -971,12 +979,12 @@ typedef struct planish_quality {
     int64_t worst_element; /* where max_radius_ratio is, or -1 */
     double min_angle_deg;  /* dihedral angles in 3-D, angles in 2-D */
     double max_angle_deg;
-    double max_radius_ratio_movable;     /* over elements with a movable node, */
-    double min_angle_deg_movable;        /* over these; 0 without any */
-    int64_t n_fixed_elements;            /* elements without a movable node */
-    double fixed_rms_radius_ratio;       /* 0 where there is none */
-    double fixed_max_radius_ratio;       /* the floor of max_radius_ratio with these nodes fixed */
-    planish_spread radius_ratio;         /* R/(3r), R/(2r) in 2-D: 1 .. inf */
+    double max_radius_ratio_movable; /* over elements with a movable node; 0 without any */
+    double min_angle_deg_movable;    /* over elements with a movable node; 0 without any */
+    int64_t n_fixed_elements;        /* elements without a movable node */
+    double fixed_rms_radius_ratio;   /* 0 where there is none */
+    double fixed_max_radius_ratio;   /* max_radius_ratio cannot fall below this: worst of them */
+    planish_spread radius_ratio;     /* R/(3r), R/(2r) in 2-D: 1 .. inf */
     planish_spread circumradius_to_edge; /* R / longest edge; 1 if regular, not the least */
     planish_spread edge_to_inradius;     /* longest edge / r, normalised to 1 .. inf */
     planish_spread edge_ratio;           /* longest edge / shortest: 1 .. inf */
@@ -1004,8 +1012,8 @@ PLANISH_API int planish_measure(const planish_plan *plan, const double *coordina
                                 planish_quality *quality, planish_error *error);
 
 /** Compute the radius ratio (AR in a mixed mesh) of each element, 1 or more, at coordinates
- *  [n_nodes][dim] (or as the mesh's strides say). radius_ratio [n_elements] is 0 for elements that are not positive, and NAN
- *  for elements that a plan with options.around does not know.
+ *  [n_nodes][dim] (or as the mesh's strides say). radius_ratio [n_elements] is 0 for elements that
+ *  are not positive, and NAN for elements that a plan with options.around does not know.
  *  Errors: _ARGUMENT, _MESH, _MEMORY; radius_ratio is then untouched. */
 PLANISH_API int planish_measure_elements(const planish_plan *plan, const double *coordinates,
                                          double *radius_ratio, planish_error *error);
@@ -1034,9 +1042,9 @@ PLANISH_API int planish_measure_mesh(const planish_mesh *mesh, const planish_opt
  *  without inverted corners. Without any the mean and the largest are 0. */
 typedef struct planish_cell_measures {
     int64_t n_elements;
-    int64_t n_inverted;         /* elements that are not valid: det J <= 0 somewhere. Decided, not
+    int64_t n_inverted;    /* elements that are not valid: det J <= 0 somewhere. Decided, not
                                   sampled (docs/measures.md) */
-    int64_t n_uncertified;      /* elements of which that is not decided; they count as not valid */
+    int64_t n_uncertified; /* elements whose validity is not decided; they count as not valid */
     int64_t n_inverted_corners; /* corners whose edges, taken as straight, have a determinant <= 0;
                                    decided exactly */
     int64_t n_curved;           /* elements with a node off the middle of its corners */
@@ -1068,7 +1076,7 @@ typedef struct planish_cell_quality {
 typedef enum planish_cell_state {
     PLANISH_CELL_STATE_NONE = 0,       /* of another dimension than the mesh: not measured */
     PLANISH_CELL_STATE_VALID = 1,      /* det J > 0 everywhere */
-    PLANISH_CELL_STATE_INVERTED = 2,   /* not so */
+    PLANISH_CELL_STATE_INVERTED = 2,   /* det J <= 0 somewhere */
     PLANISH_CELL_STATE_UNCERTIFIED = 3 /* not decided */
 } planish_cell_state;
 
@@ -1100,21 +1108,24 @@ PLANISH_API int planish_measure_cells(const planish_mesh *mesh, double rounding,
 
 /* ---- Sizes ---------------------------------------------------------------------------------- */
 
-/** Sizes of elements against those of planish_mesh.size or metric. The size of an element is the edge length
- *  of an ideal one of the same measure, or for cells the mean of what their corners say of that. With a
- *  metric, measures are those in it, and 1 is wanted. */
+/** Sizes of elements compared with planish_mesh.size or metric. The size of an element is the edge
+ *  length of
+ *  the ideal element of the same measure; for cells it is the mean of this length over the corners. With
+ *  a metric, lengths are measured by the metric, and the wanted size is 1. */
 typedef struct planish_size_quality {
     int64_t n_elements;        /* that have a size: all but flat ones */
-    double factor;             /* of the sizes that were given: by which the domain would hold as
-                                  many elements as it has */
+    double factor;             /* factor on the given sizes with which the domain would hold the
+                                  number of elements that it has */
     double rms_log;            /* RMS of log(size / (factor * wanted)) */
     double least, most;        /* size / (factor * wanted); 0 without elements */
     int64_t smallest, largest; /* elements that have these, or -1 */
     double reserved[2];
 } planish_size_quality;
 
-/** Measure the sizes of the elements of mesh against mesh->size or mesh->metric, which were given where the nodes are at
- *  mesh->reference (NULL: where they are now). ratio [n_elements] (may be NULL) is filled with size /
+/** Compare the sizes of the elements of mesh with mesh->size or mesh->metric, which are given at the
+ *  places of
+ *  the nodes in mesh->reference (NULL: in mesh->coordinates). ratio [n_elements] (may be NULL) is filled
+ *  with size /
  *  (factor * wanted), 0 for elements that do not count. threads: as in planish_options. Errors:
  *  _ARGUMENT, _MESH, _MEMORY, _PARTS. */
 PLANISH_API int planish_measure_sizes(const planish_mesh *mesh, int threads,
@@ -1128,9 +1139,9 @@ PLANISH_API int planish_measure_sizes(const planish_mesh *mesh, int threads,
 PLANISH_API int planish_find_sizes(const planish_mesh *mesh, int threads, double *size,
                                    planish_error *error);
 
-/** A number of 64 bits for the bits of mesh->coordinates in the order of the nodes, whatever the
- *  strides: equal if they are, and, but for one chance in 2^64 or so, different if they are not. 0
- *  for no coordinates. */
+/** Return a checksum of 64 bits of mesh->coordinates in the order of the nodes, whatever the strides.
+ *  Equal bits have equal checksums; different bits have different ones, except with a chance of
+ *  about 1 in 2^64. 0 for no coordinates. */
 PLANISH_API uint64_t planish_checksum(const planish_mesh *mesh);
 
 /* ---- Smoothing ---------------------------------------------------------------------------- */
@@ -1146,48 +1157,50 @@ typedef enum planish_stop {
 
 typedef struct planish_result {
     planish_stop stop;
-    int sweeps;              /* sweeps begun, */
-    int untangling_sweeps;   /* those of them that did nothing but untangle, */
-    int worst_sweeps;        /* and those for options.worst */
+    int sweeps;              /* sweeps begun */
+    int untangling_sweeps;   /* those of them that only untangled */
+    int worst_sweeps;        /* those of them for options.worst */
     int64_t visits;          /* local problems looked at */
-    int64_t n_moved_nodes;   /* nodes that are not where they were */
-    double max_displacement; /* the farthest of them, in units of the coordinates */
+    int64_t n_moved_nodes;   /* nodes that have moved */
+    double max_displacement; /* largest displacement of a node, in units of the coordinates */
     int64_t n_put_back;      /* times that a node went back to its start, because its elements had
                                 a smaller angle than the mesh before; F may have risen there, but
-                                not above that at the start */
+                                not above its value at the start */
     int64_t n_inverted;      /* elements not positive in doubles, where planish_measure is exact; of
                                 order 2, hexahedra and wedges: not valid */
     double rms;              /* RMS of AR over the valid elements at the end */
-    double rms_movable;      /* the same over those with a movable node */
-    double min_volume; /* delta that was in force where the mesh has none of its own; 0: none */
+    double rms_movable;      /* rms over the valid elements with a movable node */
+    double min_volume;       /* delta of elements for which the mesh gives none; 0: none */
     int64_t n_below_min_volume; /* elements below 0.997 of their minimum volume at the end */
     int64_t n_held_outside;     /* movable nodes that started outside of their bounds: held */
     double objective_before;    /* F over the valid elements at the start */
-    double objective;           /* and at the end */
+    double objective;           /* F over the valid elements at the end */
     double objective_of_worst;  /* F when sweeps for options.worst began; 0: there were none */
-    double worst_before; /* worst element with a movable node then, by options.worst: RR, degrees;
-                            worst corner: mu, SJ */
-    double worst_after;  /* and at the end */
+    double
+        worst_before;   /* measure options.worst of the worst element with a movable node when these
+                            sweeps began: RR, degrees; of the worst corner: mu, SJ */
+    double worst_after; /* the same measure at the end */
     int64_t evaluations; /* of the function of a star, with or without derivatives */
     /* With a minimum volume, bounds or an objective other than the default: first-order optimality
        at the end, over the nodes whose stars are feasible; else 0. P is the projection of -grad f
        on the directions that no active constraint forbids, f the function of the node's star, h the
        star's size: |P| h / f is about the relative fall of f that a move by h still promises. */
-    double kkt_residual;    /* largest |P| h / f of a node; not a number if no star is feasible */
-    double kkt_rms;         /* root mean square of these */
-    double max_multiplier;  /* largest Lagrange multiplier of a g = 1 - V/delta, in units of F */
-    int64_t n_active;       /* constraints with a multiplier, counted at each node */
-    double seconds;         /* wall time of the call */
-    int64_t n_not_enclosed; /* elements that untangling has given up at once, in parts of the mesh
-                                whose boundary encloses no positive volume */
-    int64_t n_curved;       /* curved elements of order 2 at the start */
-    int64_t n_inverted_inside; /* those of n_inverted that have positive corners: they are inverted
-                                  elsewhere, and that could not be repaired */
-    int64_t n_refused;         /* moves that would have inverted such an element, or made it worse
-                                  than any was */
-    int64_t n_released_mids;   /* mids that have moved by themselves (options.curve_quality) */
-    int64_t n_hopeless;  /* curved elements of these that are proved to be invalid wherever their
-                                free nodes go */
+    double kkt_residual;   /* largest |P| h / f of a node; not a number if no star is feasible */
+    double kkt_rms;        /* root mean square of these */
+    double max_multiplier; /* largest Lagrange multiplier of a g = 1 - V/delta, in units of F */
+    int64_t n_active;      /* constraints with a multiplier, counted at each node */
+    double seconds;        /* wall time of the call */
+    int64_t
+        n_not_enclosed; /* elements that untangling gave up at once, in components whose boundary
+                               encloses no positive volume */
+    int64_t n_curved;   /* curved elements of order 2 at the start */
+    int64_t n_inverted_inside; /* elements of n_inverted with positive corners: they are inverted
+                                  elsewhere, and could not be repaired */
+    int64_t n_refused;       /* moves that would have inverted an element with positive corners, or
+                                  made it worse than the worst was */
+    int64_t n_released_mids; /* mids that have moved on their own (options.curve_quality) */
+    int64_t n_hopeless;  /* curved elements of n_inverted_inside that are proved invalid wherever
+                            their free nodes go */
     int64_t n_off_shape; /* moves that were shortened or refused because the surface would have been
                             too far off the shape, or bent */
     int64_t reserved[1];
@@ -1198,9 +1211,9 @@ typedef struct planish_result {
  *
  *  Promised:
  *  - Only movable nodes move, and within their bounds; mids follow their ends.
- *  - No more elements are inverted than were (det J > 0 everywhere, decided). A mesh without inverted
- *    elements stays so. Unless inverted elements are untangled, no element that was valid is inverted
- *    in the end; where they are, others may be in their place, but fewer.
+ *  - The number of inverted elements never rises (valid: det J > 0 everywhere, decided). A mesh without
+ *    inverted elements stays valid. Without untangling no valid element becomes inverted. Untangling
+ *    may invert others, but repairs more.
  *  - In a mesh without inverted elements no element gets a worse RR (AR) than the worst element with
  *    a movable node had, nor (with RR alone as objective) a smaller angle, dihedral in 3-D; in a
  *    mixed mesh no corner gets a smaller scaled Jacobian. Bringing elements above their minimum
@@ -1223,8 +1236,8 @@ PLANISH_API int planish_smooth(planish_plan *plan, double *coordinates,
                                planish_error *error);
 
 /** Smooth coordinates [n_nodes][3] (or as the mesh's strides say) of a mesh that is a surface in space:
- *  mesh->cells has triangles and quadrilaterals, and no solids. Nodes move along options->shape, which was
- *  made of the same cells: as mesh->constraint says, where that is FREE or NULL as the shape does.
+ *  mesh->cells has triangles and quadrilaterals, and no solids. Nodes move along options->shape, which
+ *  was made of the same cells: as mesh->constraint says, where that is FREE or NULL as the shape does.
  *
  *  Lowered is the RMS of AR (RR of a mesh of triangles alone) over the elements. Promised:
  *  - Each facet stays within options->surface_tolerance of the shape, proved (planish_measure_shape says
@@ -1237,8 +1250,8 @@ PLANISH_API int planish_smooth(planish_plan *plan, double *coordinates,
  *  - No facet comes to cross another one: where some would the run begins anew and holds their nodes. The
  *    fourth time nothing moves, nor if the caller stops a run in which some do.
  *  - The bits are the same for any number of threads.
- *  Nodes of elements of order 2 stay. Elements that have turned over against the shape stay as they are, and
- *  so do their nodes.
+ *  Nodes of elements of order 2 stay. Elements that have turned over against the shape stay as they are,
+ *  and so do their nodes.
  *
  *  options: as for planish_plan_create and planish_smooth; minimum volumes, methods of averages and
  *  PLANISH_OBJECTIVE_EDGE_RATIO are not for surfaces, and isa, bind and search mean nothing. worst: of
@@ -1248,11 +1261,15 @@ PLANISH_API int planish_smooth_surface(const planish_mesh *mesh, double *coordin
                                        const planish_options *options, planish_result *result,
                                        planish_error *error);
 
-/** Measure mesh->coordinates of a mesh that is a surface in space, whose elements shape was made of: areas,
- *  angles and ratios of the elements, each in its own plane. Movable are nodes as in planish_smooth_surface,
+/** Measure mesh->coordinates of a mesh that is a surface in space, whose elements shape was made of:
+ *  areas,
+ *  angles and ratios of the elements, each in its own plane. Movable are nodes as in
+ *  planish_smooth_surface,
  *  inverted elements without area and those that have turned over against the shape. quality: as of
- *  planish_measure for a mesh of these elements in the plane. ratio [n_elements] (may be NULL): RR, of a mesh
- *  with quadrilaterals AR, 0 of inverted elements. cells and values (may be NULL): as of planish_measure_cells,
+ *  planish_measure for a mesh of these elements in the plane. ratio [n_elements] (may be NULL): RR, of a
+ *  mesh
+ *  with quadrilaterals AR, 0 of inverted elements. cells and values (may be NULL): as of
+ *  planish_measure_cells,
  *  with elements of order 2 by their corners. threads: as in planish_options. Errors: _ARGUMENT, _MESH,
  *  _MEMORY, _PARTS; all is then untouched but values. */
 PLANISH_API int planish_measure_surface(const planish_shape *shape, const planish_mesh *mesh,
@@ -1263,10 +1280,10 @@ PLANISH_API int planish_measure_surface(const planish_shape *shape, const planis
 /** State of an element as planish_check_volumes reports it. */
 typedef enum planish_volume_state {
     PLANISH_VOLUME_MET = 0,       /* at least 0.997 of its minimum volume, or it has none */
-    PLANISH_VOLUME_BELOW = 1,     /* not so */
-    PLANISH_VOLUME_INFEASIBLE = 2 /* not so, and it cannot be, wherever the movable nodes are: by
-                                     itself, or together with the elements around its only movable
-                                     node, a free one */
+    PLANISH_VOLUME_BELOW = 1,     /* below that */
+    PLANISH_VOLUME_INFEASIBLE = 2 /* below that, and proved unable to reach it wherever the movable
+                                     nodes go: by itself, or together with the elements around its
+                                     only movable node, which is free */
 } planish_volume_state;
 
 /** Compare the elements of coordinates [n_nodes][dim] with their minimum volumes: those of options
@@ -1279,25 +1296,27 @@ typedef enum planish_volume_state {
  *  elements. Limits of options end it: time_limit in seconds of this call, and progress, which is
  *  called 20 times a second with a planish_progress that has nothing but elapsed and n_colours; a
  *  result other than 0 ends the search. The search is never shorter than 0.05 seconds.
- *  *n_undecided (may be NULL) is the number of elements about which the search would have said
- *  more, 0 without limits: their state stays _BELOW, and all that is said of the others holds. If
- *  one process ends the search in a mesh in parts, all do. In one process there is no search without state or
- *  n_undecided.
+ *  *n_undecided (may be NULL) is the number of elements that the search did not decide, 0 without
+ *  limits: their state stays _BELOW; the states of all others are certain. If one process ends the
+ *  search in a mesh in parts, all do. In one process there is no search if state and n_undecided are
+ *  NULL.
  *  Errors: _ARGUMENT, _MESH, _MEMORY; all outputs are then untouched. */
 PLANISH_API int planish_check_volumes(const planish_plan *plan, const double *coordinates,
                                       const planish_options *options, uint8_t *state,
                                       int64_t *n_below, int64_t *n_undecided, planish_error *error);
 
-/** Find the infeasible elements of coordinates [n_nodes][dim]: those that are not positive and are
- *  proved not to become so all together, wherever the movable nodes are; in a mixed mesh those with
- *  such a corner. These are elements without
- *  a movable node or with two fixed nodes at one place, and elements that contradict each other
- *  around one free node whose link there is fixed, by more than 1e-9 of their measures
- *  (docs/algorithm.md); and with options.curve_quality the curved triangles and tetrahedra of
- *  planish_result.n_hopeless, by det J at points. infeasible [n_elements] (may be NULL) is filled
+/** Find the infeasible elements of coordinates [n_nodes][dim]: elements that are not positive and are
+ *  proved unable to become positive all together, wherever the movable nodes go; in a mixed mesh
+ *  elements with such a corner. These are
+ *  - elements without a movable node, or with two fixed nodes at one place
+ *  - elements that contradict each other, by more than 1e-9 of their measures, around one free node
+ *    whose link there is fixed (docs/algorithm.md)
+ *  - with options.curve_quality the curved triangles and tetrahedra of planish_result.n_hopeless, by
+ *    det J at points.
+ *   infeasible [n_elements] (may be NULL) is filled
  *  with 0 or 1; *n counts the ones. Nothing is said of elements that are merely hard, or that a plan
- *  with options.around does not know. options (NULL: defaults) limit the search as in planish_check_volumes, and
- *  *n_undecided (may be NULL) counts the inverted elements that it left.
+ *  with options.around does not know. options (NULL: defaults) limit the search as in
+ *  planish_check_volumes, and *n_undecided (may be NULL) counts the inverted elements that it left.
  *  Errors: _ARGUMENT, _MESH, _MEMORY; all outputs are then untouched. */
 PLANISH_API int planish_find_infeasible(const planish_plan *plan, const double *coordinates,
                                         const planish_options *options, uint8_t *infeasible,

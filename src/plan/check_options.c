@@ -71,7 +71,7 @@ int pl_options_check(const planish_options *options, planish_error *error) {
         return status;
     if (options->worst != PLANISH_WORST_NONE && options->method != PLANISH_METHOD_PLANISH)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "options.worst is for the method PLANISH_METHOD_PLANISH alone");
+                       "options.worst needs the method PLANISH_METHOD_PLANISH");
     if (options->precision == PLANISH_PRECISION_ROUNDED && !options->round)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "options.precision is PLANISH_PRECISION_ROUNDED: give options.round");

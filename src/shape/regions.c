@@ -144,7 +144,7 @@ int pl_check_cell_arrays(const planish_cell_array *arrays, int n_arrays, int64_t
         if ((int)arrays[i].type < PLANISH_NUMBER_INT32 ||
             (int)arrays[i].type > PLANISH_NUMBER_FLOAT64)
             return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                           "array %d: its type is %d, which is no planish_number", i,
+                           "array %d: its type is %d, which is not a planish_number", i,
                            (int)arrays[i].type);
     }
     return PLANISH_OK;
@@ -347,9 +347,10 @@ static int split_regions(const planish_cell_array *array, int64_t n_elements, in
     for (int64_t i = 0; i < n_elements; i++) {
         int64_t value;
         if (take_value(array, i, &value)) {
-            number = pl_fail_at(error, PLANISH_ERROR_ARGUMENT, i, -1,
-                                "array '%s': the value of element %" PRId64 " is no whole number",
-                                array->name ? array->name : "", i);
+            number =
+                pl_fail_at(error, PLANISH_ERROR_ARGUMENT, i, -1,
+                           "array '%s': the value of element %" PRId64 " is not a whole number",
+                           array->name ? array->name : "", i);
             break;
         }
         if (number < 0 || before != region[i] || value != last) {

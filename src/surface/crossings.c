@@ -163,7 +163,8 @@ int pl_surface_hold_crossings(const pl_surface_run *r, uint8_t *held, int64_t *n
     pl_free(has_met);
     if (*n_held > 0)
         pl_log(PLANISH_LOG_NOTE,
-               "%" PRId64 " nodes stay: facets there came to cross others; the run begins anew",
+               "%" PRId64 " nodes are held from now on, because facets there crossed others; the "
+                          "run begins again",
                *n_held);
     return status;
 }

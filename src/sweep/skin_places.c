@@ -439,8 +439,8 @@ static void hold_far(pl_skin *skin) {
             skin->tolerance[t] = INFINITY;
     if (skin->n_held > 0)
         pl_log(PLANISH_LOG_NOTE,
-               "%" PRId64 " nodes stay: the surface there is farther off options.shape than "
-               "surface_tolerance",
+               "%" PRId64 " nodes do not move: the surface there is farther off options.shape than "
+                          "surface_tolerance",
                skin->n_held);
 }
 
@@ -548,8 +548,8 @@ static int hold_near(pl_skin *skin, planish_error *error) {
     skin->is_near = NULL;
     if (n > 0)
         pl_log(PLANISH_LOG_NOTE,
-               "%" PRId64 " nodes stay: the surface has another sheet there, nearer than twice "
-               "surface_tolerance",
+               "%" PRId64 " nodes do not move: another sheet of the surface is nearer there than "
+                          "twice surface_tolerance",
                n);
     return status;
 }

@@ -53,8 +53,8 @@ static int check_cell(const planish_cells *cells, int64_t n_nodes, int64_t eleme
     const int32_t *node = cells->node + cells->offset[element];
     if (n < 0)
         return pl_fail_at(error, PLANISH_ERROR_MESH, element, -1,
-                          "element %" PRId64 " is of type %d, which is no planish_cell_type; leave "
-                          "the element out",
+                          "element %" PRId64
+                          " is of type %d, which is not a planish_cell_type; leave the element out",
                           element, type);
     if (given != n)
         return pl_fail_at(error, PLANISH_ERROR_MESH, element, -1,

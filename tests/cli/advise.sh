@@ -41,7 +41,7 @@ same_figures "with --best" --best
 # What is advised is worth it, and can be typed.
 cp smoothed.msh "it's smooth.msh"
 expect_status 0 "$program" "it's smooth.msh"
-tail -n 1 out | grep -qx "Smoothing would win little." || fail "a smooth mesh: $(tail -n 1 out)"
+tail -n 1 out | grep -qx "Smoothing would improve this mesh little." || fail "a smooth mesh: $(tail -n 1 out)"
 cp a.msh "it's.msh"
 expect_status 0 "$program" "it's.msh" --fix skin --layers ignore
 tail -n 1 out | grep -q "^Run: planish smooth 'it'\\\\''s.msh' OUT .*--fix skin --layers ignore$" ||
@@ -71,7 +71,7 @@ with open("perfect.mesh", "w") as mesh:
     mesh.write("End\n")
 PY
 expect_status 0 "$program" perfect.mesh
-tail -n 1 out | grep -qx "Smoothing would win little." || fail "a perfect mesh: $(tail -n 5 out)"
+tail -n 1 out | grep -qx "Smoothing would improve this mesh little." || fail "a perfect mesh: $(tail -n 5 out)"
 
 # With a mesh to become like, and with kept layers, --best is no way.
 cp a.msh before.msh
@@ -88,7 +88,7 @@ PY
 ! cmp -s deformed.msh a.msh || fail "nothing was deformed"
 expect_status 0 "$program" deformed.msh --like before.msh
 [ ! -s err ] || fail "messages with --like: $(cat err)"
-tail -n 1 out | grep -q "^Run: planish smooth deformed.msh OUT .*--like before.msh$\|win little" ||
+tail -n 1 out | grep -q "^Run: planish smooth deformed.msh OUT .*--like before.msh$\|improve this mesh little" ||
     fail "advice with --like: $(tail -n 1 out)"
 ! grep -q -e "--best" out || fail "--best with --like"
 cp out liked

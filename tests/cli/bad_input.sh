@@ -71,7 +71,7 @@ printf '4 2 4\n0 0 1\n1 0 1\n1 1 1\n0 1 1\n1 2 3 1\n1 3 4 1\n' >freefem.msh
 printf '$ENTER COMPONENT NAME=A\n$STRUCTURE\n' >permas.msh
 for file in freefem permas; do
     bad $file.msh
-    expect_text "no \$MeshFormat: this is no mesh of Gmsh's"
+    expect_text "no \$MeshFormat: this is not a mesh of Gmsh"
 done
 printf '%b1\n1 0 0 0\n$EndNodes\n$Elements\n1\n1 15 2 1 1 1\n$EndElements\n' "$header" >points.msh
 bad points.msh

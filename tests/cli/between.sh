@@ -10,7 +10,7 @@ for after in after.msh after.vtu; do
     expect_status 0 "$program" compare before.msh $after --json report.json
     [ ! -s err ] || fail "messages: $(cat err)"
     # The rows of the measures and the histogram are those of smooth, but for elements that it holds.
-    cmp <(grep -v "^ \| nodes are elsewhere" out) <(grep -v "^ " smoothed | head -n "$(grep -vc "^ \| nodes are" out)") ||
+    cmp <(grep -v "^ \| nodes differ" out) <(grep -v "^ " smoothed | head -n "$(grep -vc "^ \| nodes differ" out)") ||
         fail "the table for $after"
     python3 - <<'PY' || fail "the report for $after"
 import json
@@ -31,7 +31,7 @@ grep -q "^worst radius ratio .* worse$" out || fail "worse: $(grep '^worst' out)
 expect_status 0 "$program" compare before.msh after.msh --report page.html -q
 grep -q "<h2>The mesh</h2>" page.html || fail "no page"
 expect_status 0 "$program" compare before.msh before.msh
-grep -q "^0 of 2153 nodes are elsewhere" out || fail "the same file: $(tail -n 1 out)"
+grep -q "^0 of 2153 nodes differ" out || fail "the same file: $(tail -n 1 out)"
 
 # In single precision, and in a tilted plane, where each file has a frame of its own, nodes that nobody has
 # moved are not elsewhere; the page is drawn again from its JSON.
@@ -64,7 +64,7 @@ done
 python3 "$cli/folder_meshes.py" mixed 3 ring
 expect_status 0 "$program" smooth ring smoothed-ring -q
 expect_status 0 "$program" compare ring smoothed-ring
-tail -n 1 out | grep -q "^[1-9][0-9]* of .* are elsewhere" || fail "folders: $(tail -n 1 out)"
+tail -n 1 out | grep -q "^[1-9][0-9]* of .* differ" || fail "folders: $(tail -n 1 out)"
 
 # Other elements, and what is no mesh.
 awk '/^\$Elements/ { inside = 1 } /^\$EndElements/ { inside = 0 }

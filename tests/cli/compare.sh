@@ -66,10 +66,10 @@ open("twice.mesh", "w").write("\n".join(lines))
 END
 expect_status 0 "$program" quality ./cut.node "$work/square.msh" ./twice.mesh
 [ "$(cat err)" = "$(
-    echo "note: ./cut.node: the last line of ./cut.ele has no end; if the file was cut there, its last number may be wrong"
+    echo "note: ./cut.node: the last line of ./cut.ele has no line end; if the file was cut there, the last number may be wrong"
     "$program" quality ./twice.mesh 2>&1 >/dev/null | sed 's|^note: |note: ./twice.mesh: |'
 )" ] || fail "notes of several: $(cat err)"
-grep -q "twice.mesh: 1 element has the nodes of another one; it is held" err || fail "a copy: $(cat err)"
+grep -q "twice.mesh: 1 element has the nodes of another element; it is held" err || fail "a copy: $(cat err)"
 "$program" quality ./cut.node ./twice.mesh 2>&1 | tail -n 1 | grep -q "^note: ./twice" || fail "notes behind the table"
 expect_status 0 "$program" quality ./cut.node ./twice.mesh -q
 [ ! -s err ] || fail "notes with -q"

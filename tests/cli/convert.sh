@@ -72,7 +72,7 @@ expect_status 0 "$program" quality long.vtk -q
 
 # No conversion to others, none to a pipe; an error leaves what is there.
 expect_status 64 "$program" smooth "$data/medit.mesh" -o out.cgns -q
-expect_text "nor that of a format that planish converts to"
+expect_text "and no extension of a format that planish converts to"
 expect_status 64 "$program" smooth "$data/medit.mesh" -o out.xyz -q
 expect_no_file out.cgns out.xyz
 echo old >kept.vtu

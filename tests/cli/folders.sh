@@ -120,7 +120,7 @@ mkdir empty several several/constant several/constant/{a,b}
 cp -r $mesh several/constant/a/
 cp -r $mesh several/constant/b/
 touch plain
-refused 2 "is a folder, but no mesh" quality empty
+refused 2 "is a folder without a mesh" quality empty
 refused 2 "several/constant/a/polyMesh, several/constant/b/polyMesh" smooth several -o new -q
 refused 2 "give the folder" quality $mesh/points
 refused 2 "give the folder" quality elmer/mesh.nodes

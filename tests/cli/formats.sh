@@ -138,7 +138,7 @@ open("mixed.mesh", "w").write("\n".join(words))
 END
 expect_status 0 "$program" quality mixed.mesh --json report.json
 expect_json "r['quality']['inverted'] == 0 and r['mesh']['reversed_elements'] in (5, r['mesh']['elements'] - 5)"
-expect_text "numbered the other way round"
+expect_text "their nodes in the opposite order"
 expect_status 0 "$program" quality medit.mesh --json report.json
 ! grep -q "other way round" err || fail "a note on elements that are all numbered alike"
 
@@ -180,7 +180,7 @@ END
 head -c -1 tetgen.ele >cut.ele
 cp tetgen.node cut.node
 expect_status 0 "$program" quality cut.node
-expect_text "note: the last line of cut.ele has no end"
+expect_text "note: the last line of cut.ele has no line end"
 expect_status 0 "$program" quality tetgen.node
 [ ! -s err ] || fail "$(cat err)"
 

@@ -159,5 +159,5 @@ expect_status 0 "$program" help help
 grep -q "^Usage: planish COMMAND" out || fail "help of help"
 mistyped "no result is named" report
 mistyped "unexpected argument 'b.json': give one result" report a.json b.json
-mistyped "unexpected argument 'b.msh': --output-dir DIR or --in-place smooths several meshes" smooth a.msh b.msh c.msh
+mistyped "unexpected argument 'b.msh': to smooth several meshes, give --output-dir DIR or --in-place" smooth a.msh b.msh c.msh
 finish

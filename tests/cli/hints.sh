@@ -15,7 +15,7 @@ is_above() { # A B: whether number A is above B
 }
 
 # The worst element is held: nodes that slide let it go.
-[ "$(hint)" = "hint: the worst element has no free node; --slide auto lets 1152 nodes slide" ] || fail "hint: $(hint)"
+[ "$(hint)" = "hint: the worst element has no movable node; --slide auto lets 1152 nodes slide" ] || fail "hint: $(hint)"
 hint >hints
 held=$(angle)
 hint --slide auto >hints

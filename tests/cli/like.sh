@@ -114,7 +114,7 @@ for kind in hexes tets quads triangles; do
             --json report.json
     done
     cmp -s $kind-1.mesh $kind-2.mesh || fail "$kind: threads change the bits"
-    grep -qF "AR is against each element as it is in $kind.mesh" out || { fail "the table says the target"; cat out; }
+    grep -qF "AR compares each element with its shape in $kind.mesh" out || { fail "the table says the target"; cat out; }
     ! grep -q "thin in layers" err || fail "layers that are targets need no warning: $(cat err)"
     expect_json 'r["mesh"]["held"]["layers"] == 0 and r["mesh"]["free_nodes"] > 0'
     expect_json 'r["objective"]["measure"] == "aspect-ratio" and r["objective"]["name"] == "mean-ratio"'
@@ -128,7 +128,7 @@ done
 
 expect_status 0 "$program" smooth tets-moved.mesh --like tets.mesh -o out.mesh --json smooth.json --report page.html -q
 expect_status 0 "$program" quality tets-moved.mesh --like tets.mesh --json before.json --report quality.html
-grep -qF "AR is against each element as it is in tets.mesh" out || fail "the table of quality says the target"
+grep -qF "AR compares each element with its shape in tets.mesh" out || fail "the table of quality says the target"
 "$program" quality out.mesh --like tets.mesh --json after.json -q
 python3 - "$(python3 ratios.py tets-moved.mesh tets.mesh)" "$(python3 ratios.py out.mesh tets.mesh)" <<'END2' ||
 import json
@@ -288,7 +288,7 @@ Triangles 4
 2 4 3 1
 End
 END2
-refused 64 "ball.mesh is a surface in space, for which --like means nothing" ball.mesh --like ball.mesh
+refused 64 "ball.mesh is a surface in space: --like has no effect there" ball.mesh --like ball.mesh
 expect_status 2 "$program" quality tets.mesh --like flat.mesh
 expect_one_line
 expect_text "--like flat.mesh: element 1 is flat"

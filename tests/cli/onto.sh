@@ -59,7 +59,7 @@ python3 make.py tets ball 8 100 >huge.mesh
 # A coarse ball, inscribed in a fine one.
 expect_status 0 "$program" smooth coarse.mesh --onto fine.mesh -o out.mesh --json report.json --report page.html
 tr '\n' ' ' <out >text
-for text in "fitted to fine.mesh before smoothing" "152 lay off it" "152 are on it now, 0 not yet" "(certified)" "to slide"; do
+for text in "fitted to fine.mesh before smoothing" "152 lay off that surface" "now 152 are on it, 0 not yet" "(certified)" "to slide"; do
     grep -qF "$text" text || { fail "the table says '$text'"; cat out; }
 done
 grep -q "other surface" page.html && grep -q "fine.mesh" page.html || fail "the page names the other surface"
@@ -117,7 +117,7 @@ expect_text "--onto"
 python3 make.py tets cube 4 0.7 >cube.mesh
 expect_status 0 "$program" smooth cube.mesh --onto fine.stl -o round.mesh --json report.json
 tr '\n' ' ' <err >text
-grep -q "the fit took the worst radius ratio from 1.394 to" text || { fail "the note tells that elements got worse"; cat err; }
+grep -q "fitting changed the worst radius ratio from 1.394 to" text || { fail "the note tells that elements got worse"; cat err; }
 expect_json 'r["surface"]["worst_ratio_of_input"] < r["before"]["max_radius_ratio"] >= r["after"]["max_radius_ratio"]'
 
 # Hexahedra that a plain projection would invert; in floats of few digits, too.

@@ -62,7 +62,7 @@ expect_text "too long"
 printf '1 1\n' >other.face
 expect_status 2 "$program" smooth mesh.node -o other.node -v
 expect_one_line
-expect_text "other.face: is of another mesh"
+expect_text "other.face: belongs to another mesh"
 rm other.face
 
 # The longest name that a file can have.

@@ -110,7 +110,7 @@ if [ -n "$picture" ]; then
     grep -q "no longer exists" half.html || fail "what is not drawn should be said"
     cp tangled.mesh smooth.mesh
     expect_status 0 "$program" report run.json -o half.html
-    expect_text "'smooth.mesh' has other coordinates now"
+    expect_text "'smooth.mesh' has different coordinates now"
     mv gone.mesh smooth.mesh
     expect_status 0 "$program" report run.json -o half.html -q
     [ ! -s err ] || fail "report -q should be silent"

@@ -71,7 +71,7 @@ expect_one_line
 expect_status 0 "$program" quality out.mesh --json report.json
 expect_json "len(r['reversed']) == r['quality']['reversed_elements'] == r['mesh']['reversed_elements'] > 0"
 grep -q "reversed in the file's order  *[1-9]" out || fail "quality: the table has no row"
-expect_text "numbered the other way round"
+expect_text "their nodes in the opposite order"
 expect_status 0 "$program" smooth out.mesh -o again.mesh --json report.json
 expect_json "r['before']['reversed_elements'] == r['after']['reversed_elements'] > 0 and r['reason'] == ''"
 
@@ -86,7 +86,7 @@ grep -q "reversed in the file's order  *[1-9][0-9]*  *0 " out || fail "the table
 [ "$(reorder mixed)" = 3 ] || fail "mixed.mesh"
 expect_status 0 "$program" smooth mixed.mesh -o out.mesh --json report.json
 expect_json "r['reversed'] == [11, 12, 13] and r['after']['reversed_elements'] == 3"
-expect_text "3 elements are numbered the other way round"
+expect_text "3 elements list their nodes in the opposite order"
 
 # A mesh that is mirrored as a whole, as some formats' are, has none: no row, no word.
 for name in cube mirrored; do

@@ -16,7 +16,7 @@ expect_status 64 "$program" smooth a.msh link.msh
 [ ! -e nowhere.msh ] || fail "a link was followed"
 for out in b.msh link.msh; do
     expect_status 64 "$program" convert a.msh $out
-    expect_text "'$out' is there already: -o $out replaces it"
+    expect_text "'$out' already exists: -o $out replaces it"
 done
 expect_status 64 "$program" convert a.msh a.msh
 expect_text "the converted copy would overwrite the mesh 'a.msh'"
@@ -31,7 +31,7 @@ expect_text "unexpected argument 'b.msh': give one mesh file"
 mkdir a_folder.msh
 for command in smooth convert; do
     expect_status 64 "$program" $command a.msh a_folder.msh
-    expect_text "'a_folder.msh' is a folder that is there already"
+    expect_text "the folder 'a_folder.msh' already exists"
 done
 
 # Nor what another program makes there meanwhile: a mesh from a pipe is read after the first look.
@@ -46,7 +46,7 @@ for command in smooth convert; do
     exec 3>&-
     wait $run
     [ $? = 2 ] || fail "$command: OUT appears meanwhile"
-    expect_text "late.msh: another program has made it meanwhile"
+    expect_text "late.msh: another program created this file meanwhile"
     expect_one_line
     [ "$(cat late.msh)" = other ] || fail "$command: a file was replaced that has appeared meanwhile"
 done
@@ -108,11 +108,11 @@ cmp before/a.msh "$sample" && cmp onto.stl kept.stl && [ "$(cat sizes.sol)" = si
 expect_no_file out.msh
 ln -s a.msh same.msh
 expect_status 64 "$program" smooth a.msh b.msh same.msh --in-place
-expect_text "'a.msh' and 'same.msh' are one mesh: name it once"
+expect_text "'a.msh' and 'same.msh' are the same mesh: name it once"
 cmp a.msh "$sample" && cmp b.msh "$sample" || fail "an input was replaced"
 for name in . .. ./ ../. /; do
     expect_status 64 "$program" smooth $name --output-dir named
-    expect_text "'$name' gives no name in --output-dir"
+    expect_text "'$name' has no name that --output-dir can use"
 done
 expect_no_file named
 

@@ -66,7 +66,7 @@ kill -INT $run
 wait $run
 status=$?
 [ $status -eq 2 ] || fail "several meshes and a signal: status $status instead of 2"
-expect_text "in.mesh (and 0 more): not smoothed, as a signal came"
+expect_text "in.mesh (and 0 more): not smoothed, because a signal stopped planish"
 [ -e several/slow.mesh ] && [ ! -e several/in.mesh ] || fail "several meshes and a signal: $(ls several)"
 
 # The second one: the first makes it write, and the pipe keeps it there, as nobody reads.

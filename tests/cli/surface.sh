@@ -175,15 +175,15 @@ while IFS='|' read -r options text; do
     expect_text "$text"
     expect_no_file no.off
 done <<'END'
---method laplacian|surface in space, for which --method means nothing
---objective edge-ratio|edge-ratio means nothing
---objective mean-ratio|mean-ratio without quadrilaterals means nothing
---min-volume 1|a minimum volume means nothing
---layers hold|--layers hold means nothing
---layers keep|--layers keep means nothing
---slide-interfaces|--slide-interfaces means nothing
---direction fletcher-reeves|--direction means nothing
---onto torus-ply.ply|--onto means nothing
+--method laplacian|surface in space: --method has no effect there
+--objective edge-ratio|edge-ratio has no effect there
+--objective mean-ratio|mean-ratio without quadrilaterals has no effect there
+--min-volume 1|a minimum volume has no effect there
+--layers hold|--layers hold has no effect there
+--layers keep|--layers keep has no effect there
+--slide-interfaces|--slide-interfaces has no effect there
+--direction fletcher-reeves|--direction has no effect there
+--onto torus-ply.ply|--onto has no effect there
 --box 0,0,1,1|a surface in space needs 6
 END
 
@@ -193,7 +193,7 @@ expect_status 0 "$program" smooth odd.off -o out.off
 expect_text "belong to more than two elements"
 sed '1000s/^3 \(.*\) \(.*\) \(.*\)/3 \1 \3 \2/' torus-off.off >turned.off
 expect_status 0 "$program" quality turned.off --json report.json
-expect_text "1 element is listed the other way round than most"
+expect_text "1 element is listed in the opposite order to most"
 expect_json "r['surface']['turned_elements'] == 1"
 expect_status 0 "$program" smooth turned.off -o out.off -q --json report.json
 expect_json "r['after']['max_radius_ratio'] < r['before']['max_radius_ratio']"

@@ -75,7 +75,7 @@ for kind in $(some hexahedron wedge pyramid quadrilateral mixed flat); do
             grep -q "worst aspect ratio (AR)" table || fail "the table: $(cat table)"
         ! grep -q "worst radius ratio\|smallest\|dihedral" table || fail "a table with radius ratios or angles: $(cat table)"
         awk 'length($0) > 80 { exit 1 }' table || fail "the table is wider than 80 columns"
-        grep -q "worst aspect ratio of elements with a free node" new.html && grep -q "least scaled Jacobian" new.html ||
+        grep -q "worst aspect ratio of elements with a movable node" new.html && grep -q "least scaled Jacobian" new.html ||
             fail "the page of $kind"
         expect_status 0 "$program" report report.json -o again.html
         cmp new.html again.html || fail "the page of the JSON of $kind"
@@ -84,7 +84,7 @@ for kind in $(some hexahedron wedge pyramid quadrilateral mixed flat); do
         cmp new.vtk place.vtk || fail "$kind: other bits by three threads, in place"
     done
     # Two types have a line each.
-    [ $kind != flat ] || tr '\n' ' ' <table | grep -q "does not compare with the radius ratio" || fail "the measure: $(cat table)"
+    [ $kind != flat ] || tr '\n' ' ' <table | grep -q "do not compare AR with radius ratios" || fail "the measure: $(cat table)"
     case $kind in mixed | flat) grep -q "^before, after *elements " table && grep -q "^least scaled" table || fail "no lines by type: $(cat table)" ;; esac
     for objective in mean-ratio edge-ratio "worst --worst-measure aspect-ratio" worst; do
         # shellcheck disable=SC2086
@@ -153,7 +153,7 @@ for option in "--objective worst" "--objective edge-ratio" "--method laplacian";
     expect_json "r['mesh']['layers_not_kept_with'] == '$named'"
     grep -q "147 nodes are held there, as heights cannot be kept with $named; --layers ignore lets them move" err ||
         fail "no advice: $(cat err)"
-    grep -q "held, as heights cannot be kept with $named" page.html || fail "the page does not say it"
+    grep -q "held their nodes, because it cannot keep heights with $named" page.html || fail "the page does not say it"
 done
 # A fold is held by nothing: no node of an inverted element is held as one of a layer.
 python3 - <<'END' || fail "no mesh"

@@ -51,12 +51,12 @@ polish|unknown command 'polish'; it must be smooth, quality, compare, advise, gr
 smooth|no mesh file is named
 smooth in.msh|give -o OUT
 smooth in.msh in.msh|-o in.msh replaces it
-smooth in.msh b.msh c.msh|--output-dir DIR or --in-place smooths several meshes
+smooth in.msh b.msh c.msh|to smooth several meshes, give --output-dir DIR or --in-place
 smooth in.msh -o out.msh --in-place|give --output or --in-place, not both
 smooth in.msh -o out.msh --output-dir .|give --output or --output-dir, not both
 smooth in.msh --in-place --output-dir .|give --in-place or --output-dir, not both
 smooth in.msh --output-dir .|is in the folder of --output-dir: give --in-place
-smooth in.msh ./in.msh --output-dir smoothed|would have one name
+smooth in.msh ./in.msh --output-dir smoothed|would get the same name
 smooth in.msh in.msh --in-place --json -|--json takes one mesh, but 2 are named
 smooth in.msh -o out.msh --best --like in.msh|leave out --best
 smooth in.msh -o out.msh --max-sweep|option --max-sweeps needs a value (N)
@@ -65,7 +65,7 @@ smooth in.msh -o out.msh --tolerence 0|unknown option '--tolerence'; did you mea
 smooth in.msh -o out.msh --objective best|must be radius-ratio, mean-ratio, edge-ratio or worst
 smooth in.msh -o out.msh --rings 2|--rings has no effect without --only-worse-than
 smooth in.msh -o out.msh --fix wall|there is no group 'wall' to hold; the file has: skin, bracket
-smooth in.msh -o out.xyz|nor that of a format that planish converts to
+smooth in.msh -o out.xyz|and no extension of a format that planish converts to
 smooth - -o out.msh|standard input is /dev/stdin
 quality in.msh --rings 2|planish quality has no option --rings
 LINES

@@ -103,7 +103,7 @@ static void any_end_is_an_error(void **state) {
         snprintf(wanted, sizeof wanted, "(signal %d,", number);
         assert_non_null(strstr(error.text, wanted));
         assert_non_null(strstr(error.text, "a.med: "));
-        assert_int_equal(strstr(error.text, "did not come to an end") != NULL, number == SIGXCPU);
+        assert_int_equal(strstr(error.text, "did not finish") != NULL, number == SIGXCPU);
     }
     for (int status = 0; status < 2; status++)
         assert_int_equal(io_child_run(leave, &status, &a_med, NULL), PLANISH_ERROR_FORMAT);

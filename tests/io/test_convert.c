@@ -489,7 +489,7 @@ static void wrong_targets_are_refused(void **state) {
                                           NULL, 0, NULL, 0, &error),
                      PLANISH_ERROR_ARGUMENT);
     assert_non_null(
-        strstr(error.text, "'vrml' is no format that meshes are converted to; these are"));
+        strstr(error.text, "planish cannot convert to the format 'vrml'; it converts to"));
     assert_int_equal(planish_file_convert(file, test_path(path, *state, "a.xyz"), x, NULL, NULL,
                                           NULL, 0, NULL, 0, &error),
                      PLANISH_ERROR_ARGUMENT);

@@ -235,12 +235,11 @@ static void formats_without_data(void **state) {
         reading_text(&io_format_medit, "MeshVersionFormatted 2\nDimension 2\nVertices 3\n0 0 0\n"
                                        "1 0 0\n0 1 0\nTriangles 1\n1 2 3 0\nEnd\n");
     expect_data_list(file, "");
-    expect_no_data(file, "h", PLANISH_ERROR_ARGUMENT, "sizes of Medit stand in NAME.sol");
+    expect_no_data(file, "h", PLANISH_ERROR_ARGUMENT, "Medit keeps sizes in NAME.sol");
     planish_file_close(file);
     file = reading_text(&io_format_off, "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
     expect_no_data(file, "h", PLANISH_ERROR_ARGUMENT,
-                   "are read from files of VTK (.vtk, .vtu), Gmsh, Exodus and XDMF alone, not from "
-                   "those of off");
+                   "only from files of VTK (.vtk, .vtu), Gmsh, Exodus and XDMF, not from off");
     planish_file_close(file);
 }
 

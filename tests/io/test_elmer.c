@@ -289,7 +289,7 @@ static void what_is_no_mesh_is_refused(void **state) {
     planish_file *file = NULL;
     planish_error error;
     assert_int_equal(planish_file_open(*state, NULL, 1, &file, &error), PLANISH_ERROR_FILE);
-    assert_non_null(strstr(error.text, "is a folder, but no mesh"));
+    assert_non_null(strstr(error.text, "is a folder without a mesh"));
     put_all(state);
     unlink(test_path(path, *state, "mesh.boundary"));
     assert_int_equal(planish_file_open(*state, NULL, 1, &file, &error), PLANISH_ERROR_FILE);

@@ -341,7 +341,7 @@ static void other_files_are_refused(void **state) {
     netcdf_builder n = {.kind = 1};
     netcdf_put_integers(&n, "data", 1, 0, (const int[]){1});
     file_builder b = netcdf_end_file(&n);
-    builder_expect_error(&b, &io_format_exodus, "is no Exodus file");
+    builder_expect_error(&b, &io_format_exodus, "is not an Exodus file");
     builder_release(&b);
     n = (netcdf_builder){.kind = 1};
     netcdf_put_reals(&n, "coordx", NETCDF_AS_DOUBLE, 1, 0, (const double[]){1});
@@ -349,7 +349,7 @@ static void other_files_are_refused(void **state) {
     builder_expect_error(&b, &io_format_exodus, "1 coordinates of each node");
     b.data[3] = 3;
     assert_int_equal(io_format_exodus.recognise(b.data, b.size), 0);
-    builder_expect_error(&b, &io_format_exodus, "no netCDF file");
+    builder_expect_error(&b, &io_format_exodus, "not a netCDF file");
     builder_release(&b);
     put_mesh(&n, 1, 0, NETCDF_AS_DOUBLE);
     netcdf_find_part(&n, "connect1")->is_by_step = 1;
@@ -367,7 +367,7 @@ static void missing_variables_are_refused(void **state) {
         strcpy(netcdf_find_part(&n, "coordz")->name, "other");
         file_builder without = netcdf_end_file(&n);
         builder_expect_error(&without, &io_format_exodus,
-                             "2 coordinates of each node, and the file");
+                             "each node has 2 coordinates, but the file");
         builder_release(&without);
         put_mesh(&n, kinds[i], 0, NETCDF_AS_DOUBLE);
         netcdf_put_dimension(&n, "num_el_in_blk5", 3);

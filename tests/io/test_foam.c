@@ -531,7 +531,7 @@ static void a_case_has_its_mesh(void **state) {
     test_folder_in(constant, *state, "constant");
     test_folder_in(region, constant, "fluid");
     test_folder_in(mesh, region, "polyMesh");
-    open_fails(*state, "is a folder, but no mesh", "constant/polyMesh");
+    open_fails(*state, "is a folder without a mesh", "constant/polyMesh");
     foam_build(mesh, cells, &ascii, one_patch, on_one);
     test_write(test_folder_in(path, mesh, "sets"), "cells", "a set", 5);
     planish_file *file = open_at(*state, 1);

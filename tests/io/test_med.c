@@ -262,7 +262,7 @@ static void wrong_files_are_refused(void **state) {
     m = right;
     refuse(((void)(m.node = 0), m), "not in 1 .. 6");
     m = right;
-    refuse(((void)(m.extra = "T10"), m), "4 numbers are no elements of 10 nodes");
+    refuse(((void)(m.extra = "T10"), m), "4 numbers do not make elements of 10 nodes");
     m = right;
     refuse(((void)(m.x = 1e308 * 10), m), "not finite");
     m = right;

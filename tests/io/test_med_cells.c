@@ -186,7 +186,7 @@ static void wrong_counts_are_refused(void **state) {
         builder_expect_error(&b, &io_format_med, "another number of elements");
         builder_release(&b);
         b = make_wrong(i, n, x, 0, 2, 1);
-        builder_expect_error(&b, &io_format_med, "are no elements of");
+        builder_expect_error(&b, &io_format_med, "do not make elements of");
         builder_release(&b);
     }
 }

@@ -332,7 +332,7 @@ static void wrong_files_are_refused(void **state) {
     reading_fails(format, NINE "GRID,x\n", "'x'");
     reading_fails(format, NINE "GRID,-1\n", "'-1'");
     reading_fails(format, NINE "GRID,99999999999\n", "'99999999999'");
-    reading_fails(format, NINE "GRID,10,,1.x\n", "node 10: '1.x' is no coordinate");
+    reading_fails(format, NINE "GRID,10,,1.x\n", "node 10: '1.x' is not a coordinate");
     reading_fails(format, NINE "GRID,10,,nan\n", "finite");
     reading_fails(format, NINE "GRID,10,,1.+999\n", "finite");
     reading_fails(format, NINE "GRID    10\t\t1.\n", "expand");
@@ -348,7 +348,8 @@ static void wrong_files_are_refused(void **state) {
     reading_fails(format, NINE "RBE2,2,=,3,6\n", "replication");
     reading_fails(format, NINE " RBE2,2,5,3,6\n", "test:11: RBE2 behind blanks");
     reading_fails(format, NINE "\tgrid*   9\n", "GRID behind blanks");
-    reading_fails(format, NINE "CTR", "test:11: no ENDDATA, and the last line has no end");
+    reading_fails(format, NINE "CTR",
+                  "test:11: there is no ENDDATA, and the last line has no line end");
     reading_fails(format, NINE "INCLUDE 'mesh.bdf'\n", "mesh.bdf: ");
     reading_fails(format, "BEGIN BULK\n" NINE "BEGIN SUPER=1\n", "superelements");
     reading_gives_surface(

@@ -107,14 +107,14 @@ static void wrong_files_are_refused(void **state) {
                   "v 0 0 0\nv 1 0 0\nf -1 -2 -3\n"
                   "v 1 1 0\n",
                   "no vertex -3: the file has 3, 2 of them");
-    reading_fails(f, SQUARE "f 1 2 99999999999999999999\n", "is no vertex");
-    reading_fails(f, SQUARE "f 1 2 x\n", "'x' is no vertex");
-    reading_fails(f, SQUARE "f 1 2 3/x\n", "'3/x' is no vertex");
+    reading_fails(f, SQUARE "f 1 2 99999999999999999999\n", "is not a vertex");
+    reading_fails(f, SQUARE "f 1 2 x\n", "'x' is not a vertex");
+    reading_fails(f, SQUARE "f 1 2 3/x\n", "'3/x' is not a vertex");
     reading_fails(f, "v 0 0\nv 1 0 0\n", "test:1: vertex 1: three coordinates");
     reading_fails(f, "v 0 0 0\nv 1 0 0x\n", "test:2: vertex 2");
     reading_fails(f, "v 0 0 0\nv 1 nan 0\n", "test:2: node 2 has a coordinate that is not finite");
     reading_fails(f, "v 0 0 0\nv 1 1e999 0\n", "not finite");
-    reading_fails(f, SQUARE "surf 0 1 0 1 1 2 3\n", "test:5: curves and surfaces by formulas");
+    reading_fails(f, SQUARE "surf 0 1 0 1 1 2 3\n", "test:5: planish does not read curves and surfaces");
     reading_gives_surface(f, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n");
 }
 

@@ -193,8 +193,8 @@ static void wrong_files_are_refused(void **state) {
         p.version = version;
         plex q;
         refuse(((void)(q = p, q.dim = 1), &q), "elements of dimension 1");
-        refuse(((void)(q = p, q.cone = 51), &q), "none of its kind");
-        refuse(((void)(q = p, q.cone = version < 3 ? 3 : 20), &q), "none of its kind");
+        refuse(((void)(q = p, q.cone = 51), &q), "of the wrong kind");
+        refuse(((void)(q = p, q.cone = version < 3 ? 3 : 20), &q), "of the wrong kind");
         refuse(((void)(q = p, q.size = 2), &q), "in all");
         refuse(((void)(q = p, q.size = 100), &q), "bounded by 100 others");
         refuse(((void)(q = p, q.labelled = N_POINTS), &q), "point 51 is not in 0 .. 50");

@@ -177,12 +177,12 @@ static void bad_files_are_refused(void **state) {
         {NULL, "2 4 0\n1 1 2 3 4\n3 1 2 3 4\n", "a.ele:3", "number 2"},
         {NULL, "2 4 0\n1 1 2 3 4\n# 2 1 2 3 5\n", "a.ele:4", "cut short"},
         {NULL, "4611686018427387904 4 0\n1 1 2 3 4\n", "a.ele:1", "too short"},
-        {NULL, "1 4 4611686018427387904\n1 1 2 3 4\n", "a.ele:1", "no line"},
+        {NULL, "1 4 4611686018427387904\n1 1 2 3 4\n", "a.ele:1", "more than a line can have"},
         {NULL, "-1 4 0\n", "a.ele:1", "count"},
         {NULL, "0 4 0\n", "a.node", "nothing to smooth"},
         {NULL, "1 4 1\n1 1 2 3 4 x\n", "a.ele:2", "attribute (a number) was expected, not 'x'"},
         {"4611686018427387904 3 0 0\n1 0 0 0\n", NULL, "a.node:1", "too short"},
-        {"1 3 4611686018427387904 0\n1 0 0 0\n", NULL, "a.node:1", "no line"},
+        {"1 3 4611686018427387904 0\n1 0 0 0\n", NULL, "a.node:1", "more than a line can have"},
         {"1 4 0 0\n1 0 0 0 0\n", NULL, "a.node:1", "dimension 4"},
         {"2 3 0 0\n1 0 0 0\n2 0 nan 0\n", NULL, "a.node:3", "finite"},
         {"2 3 0 0\n1 0 0 0\n2 0 1e999 0\n", NULL, "a.node:3", "finite"},
@@ -193,7 +193,7 @@ static void bad_files_are_refused(void **state) {
         {"2 3 0 1\n1 0 0 0 1\n2 0 0 0  1.5 6\n", NULL, "a.node:3", "not '1.5'"},
         {"2 3 0 0\n9223372036854775807 0 0 0\n-9223372036854775808 0 0 0\n", NULL, "a.node:2",
          "9223372036854775807 is out of range"},
-        {"1 3 9223372036854775807 0\n1 0 0 0\n", NULL, "a.node:1", "no line"},
+        {"1 3 9223372036854775807 0\n1 0 0 0\n", NULL, "a.node:1", "more than a line can have"},
         {"hello\n", NULL, "a.node:1", "counts"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -483,11 +483,11 @@ static void files_of_others_are_not_taken_for_ours(void **state) {
     /* What would be read along with the output: */
     put(state, "b.vol", of_two);
     assert_int_equal(write_as(state, "b.node", &error), PLANISH_ERROR_FILE);
-    assert_non_null(strstr(error.text, "b.vol: is of another mesh"));
+    assert_non_null(strstr(error.text, "b.vol: belongs to another mesh"));
     unlink(test_path(path, *state, "b.vol"));
     put(state, "b.neigh", "7 4\n");
     assert_int_equal(write_as(state, "b.node", &error), PLANISH_ERROR_FILE);
-    assert_non_null(strstr(error.text, "b.neigh: is of another mesh"));
+    assert_non_null(strstr(error.text, "b.neigh: belongs to another mesh"));
     unlink(test_path(path, *state, "b.neigh"));
     /* What would not, stays: */
     put(state, "b.vol", netgen);
@@ -499,7 +499,7 @@ static void files_of_others_are_not_taken_for_ours(void **state) {
     /* and is not overwritten. */
     put(state, "a.poly", boundary);
     assert_int_equal(write_as(state, "b.node", &error), PLANISH_ERROR_FILE);
-    assert_non_null(strstr(error.text, "b.poly: is no such file of this mesh"));
+    assert_non_null(strstr(error.text, "b.poly: is not a file of this mesh"));
     check_file(state, "b.poly", source);
     put(state, "b.poly", "0 7 7 7\n");
     assert_int_equal(write_as(state, "b.node", &error), 0);

@@ -296,7 +296,7 @@ static void wrong_files_are_refused(void **state) {
         {END "  2411\n1 1 1 1\n0 0 0 0\n" END TET, "node 1: three coordinates"},
         {END "  2411\n1 1 1 1\n0 0 nan\n" END TET, "not finite"},
         {END "  2411\n1 1 1 1\n0 0 1D999\n" END TET, "not finite"},
-        {END "  2411\n1 1 1 1\n0 0 x\n" END TET, "'x' is no coordinate"},
+        {END "  2411\n1 1 1 1\n0 0 x\n" END TET, "'x' is not a coordinate"},
         {END "  2411\n1 1 1 1\n0 0 0\n1 1 1 1\n1 0 0\n" END TET, "occurs twice, at"},
         {FOUR END "    15\n1 1 1 1 0 0 0\n" END TET, "dataset 15 beside"},
         {FOUR END "    71\n1 1 111 1 1 7 4\n1 2 3 4\n" END, "test:13: elements of dataset 71"},

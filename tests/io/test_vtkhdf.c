@@ -153,7 +153,7 @@ static void partitions_follow_each_other(void **state) {
     g.partitions = 2;
     g.type = 5; /* the second partition begins with a triangle of 4 numbers */
     file_builder b = make(&g);
-    builder_expect_error(&b, &io_format_vtkhdf, "not as many nodes");
+    builder_expect_error(&b, &io_format_vtkhdf, "does not fit its type");
     builder_release(&b);
     g.type = 9; /* a quadrilateral */
     b = make(&g);

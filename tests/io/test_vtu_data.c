@@ -141,7 +141,7 @@ static void wrong_arrays(void **state) {
     expect_wrong(GRID PIECE("3", "1") TRIANGLE POINT_DATA(
                      "<DataArray type=\"Float64\" Name=\"h\" format=\"appended\" offset=\"9\"/>")
                      END,
-                 "h: the array has not as many values");
+                 "h: the number of values in the array");
     expect_wrong(GRID PIECE("3", "1") TRIANGLE POINT_DATA(
                      "<DataArray type=\"Float64\" Name=\"h\" format=\"binary\">AAAA</DataArray>")
                      END,

@@ -234,14 +234,15 @@ static void references_are_followed(void **state) {
               "//Grid[@Name=&quot;mesh&quot;]/Topology") "<xi:include "
                                                          "xpointer=\"element(/1/1/1/2)\"/>"))),
           5, 2);
-    fails(XDMF(GRID(TWO GEOMETRY("<DataItem Reference=\"/Xdmf/Nothing\"/>"))), "what is not there");
+    fails(XDMF(GRID(TWO GEOMETRY("<DataItem Reference=\"/Xdmf/Nothing\"/>"))),
+          "something that does not exist");
     fails(XDMF("<DataItem Name=\"a\" Reference=\"/Xdmf/Domain/DataItem\"/>" GRID(
               TWO GEOMETRY("<DataItem Reference=\"/Xdmf/Domain/DataItem\"/>"))),
           "refers to itself");
     fails(XDMF(GRID(TWO GEOMETRY("<DataItem Reference=\"/Xdmf/Domain[last()]\"/>"))),
           "is not understood");
     fails(XDMF(GRID("<xi:include href=\"other.xmf\"/>" POINTS)), "another XML file is included");
-    fails(XDMF(GRID(INCLUDE("/Xdmf/None") POINTS)), "includes what is not there");
+    fails(XDMF(GRID(INCLUDE("/Xdmf/None") POINTS)), "includes something that does not exist");
 }
 
 /** A path that is not understood is refused each time. */
@@ -532,8 +533,8 @@ static void other_files_are_not_overwritten(void **state) {
     planish_file *file = folder_open(folder, "mesh.xdmf");
     writing_fails(file, folder, "out.xdmf", "out.bin: exists", 4);
     writing_fails(file, folder, "cells.xdmf", "cells.bin: is a file of the input", 4);
-    static const char *const names[] = {"a&b.xdmf", "a|b.xdmf", " a.xdmf", "a\nb.xdmf", "a\xFF.xdmf",
-                                        "a\xC3.xdmf"};
+    static const char *const names[] = {"a&b.xdmf",  "a|b.xdmf",   " a.xdmf",
+                                        "a\nb.xdmf", "a\xFF.xdmf", "a\xC3.xdmf"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         writing_fails(file, folder, names[i], "cannot stand in the XML", 4);
     writing_fails(file, folder, "out.vtu", "does not have an extension", 4);
@@ -878,7 +879,7 @@ static void damaged_files_are_refused(void **state) {
         {XDMF(GRID("<Topology>" WHOLE("4", "0 1 2 3") "</Topology>" POINTS)), "no TopologyType"},
         {XDMF(GRID("<Topology Type=\"Tetrahedron\"/>" POINTS)), "there is no DataItem"},
         {XDMF(GRID(TOPOLOGY("Tetrahedron", "3", "2 4", "0 1 2 3 1 2 3 4") POINTS)), "3 elements"},
-        {XDMF(GRID(TOPOLOGY("Tetrahedron", "x", "2 4", "0 1 2 3 1 2 3 4") POINTS)), "no whole"},
+        {XDMF(GRID(TOPOLOGY("Tetrahedron", "x", "2 4", "0 1 2 3 1 2 3 4") POINTS)), "not whole"},
         {XDMF(GRID(TOPOLOGY("Tetrahedron", "2", "9", "0 1 2 3 1 2 3 4 5") POINTS)), "9 numbers"},
         {XDMF(GRID(TOPOLOGY("Tetrahedron", "2", "2 4", "0 1 2 3 1 2 3 x") POINTS)),
          "number expected"},
@@ -888,9 +889,9 @@ static void damaged_files_are_refused(void **state) {
         {XDMF(GRID("<Topology Type=\"Tetrahedron\" NodesPerElement=\"8\">" WHOLE(
              "8", "0 1 2 3 1 2 3 4") "</Topology>" POINTS)),
          "as NodesPerElement says"},
-        {XDMF(GRID(TOPOLOGY("Tetrahedron", "2", "2 -4", "0 1") POINTS)), "no whole numbers"},
+        {XDMF(GRID(TOPOLOGY("Tetrahedron", "2", "2 -4", "0 1") POINTS)), "not whole numbers"},
         {XDMF(GRID(TWO GEOMETRY(REAL("99999999 3", FIVE)))), "cannot be where they should"},
-        {XDMF(GRID(TWO GEOMETRY(REAL("9223372036854775807 9", FIVE)))), "no whole numbers"},
+        {XDMF(GRID(TWO GEOMETRY(REAL("9223372036854775807 9", FIVE)))), "not whole numbers"},
         {XDMF(GRID(TWO GEOMETRY(REAL("7 2", "0 0 0 1 0 0 0 1 0 0 0 1 1 1")))), "no points"},
         {XDMF(GRID(TWO GEOMETRY(REAL("5 3", "0 0 0 1 0 0 0 1 0 0 0 1 1 1 nan")))), "not finite"},
         {XDMF(GRID(TWO GEOMETRY(REAL("5 3", "0 0 0 1 0 0 <!-- a -->0 1 0 0 0 1 1 1 1")))),

@@ -55,7 +55,7 @@ python3 "$PLANISH_SOURCE/tests/cli/types_mesh.py" second 3 plain "$work/second.v
 compare "$work/second.vtk" alone
 together 2 "$work/second.vtk" -o "$work/second.h5" 2>"$work/err"
 [ $? = 64 ] || fail "a .h5 of second order"
-grep -q "nor that of a format that planish converts to" "$work/err" || fail "a .h5 of second order: $(cat "$work/err")"
+grep -q "and no extension of a format that planish converts to" "$work/err" || fail "a .h5 of second order: $(cat "$work/err")"
 # Periodic sides: one process moves them.
 python3 - "$work/valid.mesh" "$work/periodic.msh" <<'PERIODIC' || fail "no periodic mesh"
 import sys

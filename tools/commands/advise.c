@@ -131,7 +131,7 @@ static void put_way(const way *w, const char *label, int is_tried) {
         printf("%*.3f", COLUMN - 3, w->seconds);
     putchar('\n');
     if (w->is_stopped)
-        printf("  stopped after %g s: a run takes longer and gives more\n", MOST_SECONDS);
+        printf("  stopped after %g s: a full run takes longer and improves more\n", MOST_SECONDS);
     fflush(stdout);
 }
 
@@ -220,7 +220,7 @@ static void put_advice(const pl_arguments *arguments, const way *before, const w
         if (ways[i].is_done && is_worth(&ways[i], best))
             best = &ways[i];
     if (best == before) {
-        printf("Smoothing would win little.\n");
+        printf("Smoothing would improve this mesh little.\n");
         put_remarks(arguments, before);
         return;
     }
@@ -247,8 +247,7 @@ static int try_ways(const pl_arguments *arguments) {
             continue;
         status = try_way(arguments, &ways[i], &before, &has_types);
         if (pl_signals_stop_asked())
-            return pl_complain(PL_EXIT_FAILED, "%s: a signal ended the trial of smoothing",
-                               arguments->input);
+            return pl_complain(PL_EXIT_FAILED, "%s: a signal stopped the trial", arguments->input);
         if (status) /* its message is there */
             break;
         if (i == 0) {

@@ -81,8 +81,8 @@ static void judge_inverted(const pl_job *job, pl_result *result) {
         return;
     if (job->is_surface) {
         add_reason(result,
-                   "%" PRId64 " element%s without area, or turned over against the surface: %s as "
-                   "%s",
+                   "%" PRId64
+                   " element%s without area or turned over against the surface: %s as %s",
                    inverted, is_or_are(inverted), inverted == 1 ? "it stays" : "they stay",
                    inverted == 1 ? "it was" : "they were");
         return;
@@ -107,7 +107,7 @@ static void judge_inverted(const pl_job *job, pl_result *result) {
                    "elements that wrap around a periodic domain (%" PRId64 ") look inverted",
                    job->plan_info.n_wrapped);
     if (unfixable->n_undecided > 0)
-        add_reason(result, "there was no time to check all inverted elements for that");
+        add_reason(result, "planish had no time to check this for all inverted elements");
     if (result->smooth.n_not_enclosed > 0)
         add_reason(result, "%" PRId64 " are in components whose boundary encloses no positive %s",
                    result->smooth.n_not_enclosed, job->mesh.dim == 3 ? "volume" : "area");
@@ -127,7 +127,7 @@ static void judge_others(pl_result *result) {
         add_reason(result, "%" PRId64 " of these cannot reach it by moving free nodes",
                    volumes->n_infeasible);
     if (volumes->n_below > 0 && volumes->n_undecided > 0)
-        add_reason(result, "there was no time to check all elements below it for that");
+        add_reason(result, "planish had no time to check this for all elements below it");
     if (n > 0)
         add_reason(
             result,
@@ -152,7 +152,7 @@ int pl_judge(const pl_job *job, pl_result *result) {
                    result->smooth.stop == PLANISH_STOP_TIME_LIMIT ||
                            result->smooth.stop == PLANISH_STOP_INTERRUPTED
                        ? ""
-                       : ": elements would be inverted, or nearly so");
+                       : ": the move would invert elements, or nearly invert them");
     if (result->smooth.stop == PLANISH_STOP_INTERRUPTED)
         add_reason(result, "interrupted by a signal before convergence");
     if (result->reason[0])

@@ -62,7 +62,7 @@ static const char *find_broken(const pl_job *job, const pl_result *result,
     *from = before->max_radius_ratio_movable;
     *to = after->max_radius_ratio_movable;
     if (*to > *from * (1 + slack))
-        return "the worst ratio of elements with a free node";
+        return "the worst ratio of elements with a movable node";
     if (pl_job_changes_objective(job))
         return NULL;
     /* Where targets may be sharp nothing is promised of scaled Jacobians. */
@@ -75,7 +75,7 @@ static const char *find_broken(const pl_job *job, const pl_result *result,
         *from = before->min_angle_deg_movable;
         *to = after->min_angle_deg_movable;
         if (pl_angle_is_smaller(*to, *from * (1 - slack)))
-            return "the smallest angle of elements with a free node";
+            return "the smallest angle of elements with a movable node";
     }
     if (result->smooth.objective_of_worst > 0) /* the RMS may rise for the worst elements */
         return NULL;

@@ -262,7 +262,7 @@ static int draw_job(drawing *d, const wanted *w, pl_job *job, pl_arguments *argu
         status = pl_picture_begin(job, &d->picture);
     }
     if (!status && !pl_picture_fits(d->picture, job))
-        lack(d, w, "has other elements");
+        lack(d, w, "has different elements");
     else if (!status)
         status = pl_picture_take(d->picture, job, w->name);
     return status;
@@ -276,7 +276,7 @@ static int try_place(drawing *d, const wanted *w, const char *path, const char *
     planish_error error;
     char checksum[17];
     int status = 0;
-    *why = "cannot be read any more";
+    *why = "can no longer be read";
     planish_options_init(&job.options);
     pl_signals_set_input(path);
     const planish_open_options how = {.format = w->format,
@@ -289,7 +289,7 @@ static int try_place(drawing *d, const wanted *w, const char *path, const char *
     job.mesh = planish_file_mesh(job.file);
     job.has_types = job.mesh.cells && pl_cells_have_types(job.mesh.cells, job.mesh.dim);
     snprintf(checksum, sizeof checksum, "%016" PRIx64, pl_job_checksum(&job));
-    *why = strcmp(checksum, w->checksum) == 0 ? NULL : "has other coordinates now";
+    *why = strcmp(checksum, w->checksum) == 0 ? NULL : "has different coordinates now";
     if (!*why && job.mesh.n_elements > 0)
         status = draw_job(d, w, &job, &arguments);
     pl_job_close(&job);

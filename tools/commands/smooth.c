@@ -52,7 +52,7 @@ static int check_output(const pl_job *job) {
     if (strcmp(output, "-") == 0)
         return pl_complain_usage("smooth", "'-' is not a file; standard output is /dev/stdout");
     planish_file_check_output(job->file, output, &error); /* tells the extensions */
-    return pl_complain_usage("smooth", "%s, nor that of a format that planish converts to",
+    return pl_complain_usage("smooth", "%s, and no extension of a format that planish converts to",
                              error.text);
 }
 
@@ -254,11 +254,14 @@ static int check_names(const pl_arguments *arguments) {
         const char *name = name_of(input, &length);
         if (length == 0 || strncmp(name, "..", (size_t)length) == 0) /* a dot, too */
             return pl_complain_usage(
-                "smooth", "'%s' gives no name in --output-dir: name the folder itself", input);
+                "smooth",
+                "'%s' has no name that --output-dir can use: give the name of the folder itself",
+                input);
         for (int j = 0; j < i; j++)
             if (same_name(input, arguments->inputs[j]))
                 return pl_complain_usage("smooth",
-                                         "'%s' and '%s' would have one name in --output-dir",
+                                         "'%s' and '%s' would get the same name in --output-dir: "
+                                         "smooth them into different folders",
                                          arguments->inputs[j], input);
     }
     return 0;
@@ -268,7 +271,7 @@ static int check_names(const pl_arguments *arguments) {
 static int complain_of_clash(const pl_arguments *arguments, const char *input,
                              const char *replaced) {
     if (arguments->in_place)
-        return pl_complain_usage("smooth", "'%s' and '%s' are one mesh: name it once", input,
+        return pl_complain_usage("smooth", "'%s' and '%s' are the same mesh: name it once", input,
                                  replaced);
     if (input == replaced)
         return pl_complain_usage("smooth", "'%s' is in the folder of --output-dir: give --in-place",
@@ -345,7 +348,8 @@ int pl_smooth_command(const pl_arguments *arguments) {
         return worst;
     for (int i = 0; i < arguments->n_inputs; i++) {
         if (pl_signals_stop_asked()) {
-            pl_complain(PL_EXIT_PARTLY, "%s (and %d more): not smoothed, as a signal came",
+            pl_complain(PL_EXIT_PARTLY,
+                        "%s (and %d more): not smoothed, because a signal stopped planish",
                         arguments->inputs[i], arguments->n_inputs - i - 1);
             return worst > PL_EXIT_PARTLY ? worst : PL_EXIT_PARTLY;
         }

@@ -72,9 +72,8 @@ static void print_plan(const pl_job *job) {
         note_supported(job);
     if (job->arguments->verbosity != PL_QUIET && job->file_info.has_normals &&
         info->n_free + info->n_sliding > 0)
-        pl_note(stderr,
-                "the file has normals of nodes, which stay as they are: those of moved nodes "
-                "are out of date (docs/formats.md)");
+        pl_note(stderr, "the file has normals of nodes, which planish does not update: the normals "
+                        "of moved nodes are out of date (docs/formats.md)");
     if (job->arguments->verbosity < PL_VERBOSE)
         return;
     if (job->is_surface) {

@@ -50,13 +50,13 @@ int pl_curved_begin_surface(pl_job *job) {
     const char *const meaningless = find_meaningless(job);
     if (meaningless)
         return pl_complain_usage(pl_command_name(job->arguments->command),
-                                 "%s is a surface in space, for which %s means nothing",
+                                 "%s is a surface in space: %s has no effect there, leave it out",
                                  job->arguments->input, meaningless);
     if (job->engine != &pl_engine_here)
-        return pl_complain(PL_EXIT_FAILED,
-                           "%s: is a surface in space, which planish smooths in one process alone: "
-                           "use planish",
-                           job->arguments->input);
+        return pl_complain(
+            PL_EXIT_FAILED,
+            "%s: is a surface in space, which needs a single process: use planish, not planish-mpi",
+            job->arguments->input);
     job->own = *job->arguments;
     job->own.slide_curved = !job->own.slide_given || job->own.slide_curved || !job->own.slide ||
                             job->own.n_slide_tags > 0;
@@ -266,19 +266,19 @@ void pl_surface_state_free(pl_surface_state *state) {
 
 void pl_curved_note_held(FILE *stream, const pl_job *job, int64_t n_curved, int64_t n_inverted) {
     if (job->arguments->slide_curved && !job->curved.shape)
-        pl_note(stream, "nodes of curved surfaces stay, as several processes share the mesh; "
-                        "planish lets them slide");
+        pl_note(stream, "nodes of curved surfaces do not move, because several processes share the "
+                        "mesh; planish in one process lets them slide");
     if (!job->curved.shape)
         return;
     if (job->mesh.n_periodic > 0)
-        pl_note(stream, "periodic nodes slide in planes and along straight lines alone: those of "
-                        "curved surfaces stay");
+        pl_note(stream, "periodic nodes slide only in planes and along straight lines: those of "
+                        "curved surfaces do not move");
     if (n_curved > 0 && job->curved.info.n_mids == 0)
-        pl_note(stream, "nodes at curved edges of second order stay on the surface: its mid-side "
-                        "nodes would leave it");
+        pl_note(stream, "nodes at curved second-order edges of the surface do not move: the "
+                        "mid-side nodes would leave the surface");
     if (n_inverted > 0 && !job->is_surface)
-        pl_note(stream, "nodes of the surface stay while inverted elements are repaired, and slide "
-                        "then");
+        pl_note(stream, "nodes of the surface do not move while planish repairs inverted elements; "
+                        "they slide afterwards");
 }
 
 void pl_curved_note_result(FILE *stream, const pl_job *job, const pl_surface_state *state) {
@@ -287,13 +287,13 @@ void pl_curved_note_result(FILE *stream, const pl_job *job, const pl_surface_sta
         return;
     if (d->n_unproved > 0)
         pl_note(stream,
-                "no distance from the original surface is proved for %" PRId64 " facet%s: look at "
-                "the result there, or give a smaller --surface-tolerance",
+                "planish could not prove the distance from the original surface for %" PRId64
+                " facet%s: look at the result there, or give a smaller --surface-tolerance",
                 d->n_unproved, d->n_unproved == 1 ? "" : "s");
     if (pl_curved_is_above(job, MOST_THERE, d->distance, d->in_edges))
         pl_note(stream,
-                "the surface is up to %.3g (%.3g h) off the original one, above the "
-                "tolerance; parts of it were so before and stayed",
+                "the surface is up to %.3g (%.3g h) off the original one, above the tolerance: "
+                "some parts were that far off before, and planish left them there",
                 d->distance, d->in_edges);
     if (pl_curved_is_above(job, MOST_BACK, d->distance_back, d->back_in_edges))
         pl_note(stream,

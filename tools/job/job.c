@@ -549,7 +549,8 @@ int pl_job_read(pl_job *job, const pl_arguments *arguments, const pl_engine *eng
     int status = 0;
     const char *target = pl_arguments_target(arguments);
     if (target && engine != &pl_engine_here)
-        return pl_complain(PL_EXIT_FAILED, "%s is not for several processes: use planish", target);
+        return pl_complain(PL_EXIT_FAILED,
+                           "%s needs a single process: use planish, not planish-mpi", target);
     if (!engine->read) {
         status = open_mesh(job);
         status = status ? status : find_constraints(job);

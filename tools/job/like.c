@@ -56,8 +56,8 @@ static int check_targets(const fitting *f, const double *place) {
     if (code != PLANISH_ERROR_MESH || error.element < 0)
         return complain(f->path, &error);
     return pl_complain(PL_EXIT_FAILED,
-                       "--like %s: element %" PRId64 " %s: every element must be valid there, to "
-                       "be a target",
+                       "--like %s: element %" PRId64
+                       " %s: every element must be valid there, because it is a target",
                        f->path, planish_file_element_number(f->file, error.element),
                        flaw_of(f, error.element));
 }

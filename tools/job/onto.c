@@ -141,11 +141,12 @@ int pl_onto_fit(pl_job *job) {
     if (!job->arguments->onto)
         return 0;
     if (job->engine != &pl_engine_here || !job->file)
-        return pl_complain(PL_EXIT_FAILED, "--onto is not for several processes: use planish");
+        return pl_complain(PL_EXIT_FAILED,
+                           "--onto needs a single process: use planish, not planish-mpi");
     if (job->mesh.dim == 2 || job->mesh.n_elements == 0)
         return pl_complain(PL_EXIT_FAILED,
-                           "%s: has no solid elements: --onto fits the surface of such to another "
-                           "one",
+                           "%s: has no solid elements: --onto fits the surface of solid elements "
+                           "to another surface",
                            job->arguments->input);
     pl_signals_install_stop();
     if ((status = read_other(job)))
@@ -184,7 +185,7 @@ void pl_onto_note(FILE *stream, const pl_job *job, double worst) {
     if (onto->before.n_out_of_reach > 0)
         pl_note(stream,
                 "%" PRId64
-                " node%s of the surface %s no place on %s within 3 mean edges, and stay%s",
+                " node%s of the surface %s no place on %s within 3 mean edge lengths, and stay%s",
                 onto->before.n_out_of_reach, onto->before.n_out_of_reach == 1 ? "" : "s",
                 onto->before.n_out_of_reach == 1 ? "has" : "have", file,
                 onto->before.n_out_of_reach == 1 ? "s" : "");
@@ -193,9 +194,8 @@ void pl_onto_note(FILE *stream, const pl_job *job, double worst) {
                 onto->before.n_held, onto->before.n_held == 1 ? "" : "s",
                 onto->before.n_held == 1 ? "is" : "are", file);
     if (worst > onto->worst_before * WORSE)
-        pl_note(
-            stream,
-            "the fit took the worst %s ratio from %.4g to %.4g; smoothing makes none worse than "
-            "that",
-            job->has_types ? "aspect" : "radius", onto->worst_before, worst);
+        pl_note(stream,
+                "fitting changed the worst %s ratio from %.4g to %.4g; smoothing makes no element "
+                "worse than that",
+                job->has_types ? "aspect" : "radius", onto->worst_before, worst);
 }

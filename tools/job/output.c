@@ -174,22 +174,22 @@ static int complain_of_taken(const pl_arguments *arguments) {
     const char *command = pl_command_name(arguments->command), *output = arguments->output;
     pl_file_status found;
     if (pl_file_find(output, &found) == 0 && found.kind == PL_FILE_FOLDER)
-        return pl_complain_usage(command, "'%s' is a folder that is there already: name a new OUT",
-                                 output);
+        return pl_complain_usage(command, "the folder '%s' already exists: name a new OUT", output);
     if (arguments->command == PL_COMMAND_SMOOTH)
         return pl_complain_usage(command,
-                                 "'%s' is there already: -o %s replaces it; --output-dir DIR or "
-                                 "--in-place smooths several meshes",
+                                 "'%s' already exists: -o %s replaces it; to smooth several "
+                                 "meshes, give --output-dir DIR or --in-place",
                                  output, output);
-    return pl_complain_usage(command, "'%s' is there already: -o %s replaces it", output, output);
+    return pl_complain_usage(command, "'%s' already exists: -o %s replaces it", output, output);
 }
 
 int pl_output_check_still_new(const pl_arguments *arguments) {
-    return is_taken(arguments) ? pl_complain(PL_EXIT_FAILED,
-                                             "%s: another program has made it meanwhile; nothing "
-                                             "is written",
-                                             arguments->output)
-                               : 0;
+    return is_taken(arguments)
+               ? pl_complain(
+                     PL_EXIT_FAILED,
+                     "%s: another program created this file meanwhile; planish wrote nothing",
+                     arguments->output)
+               : 0;
 }
 
 int pl_output_check_all(const pl_arguments *arguments) {
@@ -198,7 +198,8 @@ int pl_output_check_all(const pl_arguments *arguments) {
     const char *report = arguments->report;
     int status;
     if (is_stdout(output) + is_stdout(json) + is_stdout(report) > 1)
-        return pl_complain_usage(command, "only one of mesh and reports can go to standard output");
+        return pl_complain_usage(command, "only one of the mesh and the reports can go to standard "
+                                          "output: name files for the others");
     const int is_copy =
         arguments->command == PL_COMMAND_QUALITY || arguments->command == PL_COMMAND_CONVERT;
     const char *what = is_copy && output ? find_read(arguments, output) : NULL;

@@ -275,7 +275,7 @@ static int read_values(sizing *s, const pl_arguments *arguments) {
             s->input, s->name, s->data.n_components);
     return arguments->library.size_weight != 0
                ? take_sizes(s)
-               : complain(s, "with --size-weight 0 sizes have no effect: give more");
+               : complain(s, "sizes have no effect with --size-weight 0: give a larger weight");
 }
 
 const char *pl_sizes_source(const pl_arguments *arguments) {

@@ -24,20 +24,20 @@ void pl_surface_note(FILE *stream, const pl_job *job) {
     const planish_shape_info *info = &job->curved.info;
     const double near = 1e-3; /* that --slide-tolerance takes */
     if (job->file_info.off_plane <= near)
+        pl_note(stream,
+                "the mesh is a surface in space: nodes are up to %.2g times its size off a plane; "
+                "with --slide-tolerance %.1g planish takes it for a mesh in that plane",
+                job->file_info.off_plane, 1.1 * job->file_info.off_plane);
+    if (info->n_turned > 0)
         pl_note(
             stream,
-            "the mesh is a surface in space: nodes are up to %.2g of its size off a plane; with "
-            "--slide-tolerance %.1g it is one in that plane",
-            job->file_info.off_plane, 1.1 * job->file_info.off_plane);
-    if (info->n_turned > 0)
-        pl_note(stream,
-                "%" PRId64 " element%s listed the other way round than most; planish does not "
-                "renumber elements",
-                info->n_turned, info->n_turned == 1 ? " is" : "s are");
+            "%" PRId64
+            " element%s listed in the opposite order to most; planish does not renumber elements",
+            info->n_turned, info->n_turned == 1 ? " is" : "s are");
     if (info->n_conflict_edges > 0)
         pl_note(stream,
                 "%" PRId64 " edge%s between elements that cannot be oriented alike (a Moebius "
-                "strip?): nodes stay there or go along",
+                           "strip?): their nodes stay, or move along these edges",
                 info->n_conflict_edges, info->n_conflict_edges == 1 ? " is" : "s are");
     if (info->n_flat > 0)
         pl_note(stream, "%" PRId64 " triangle%s no area; %s nodes are held", info->n_flat,

@@ -86,8 +86,8 @@ static int check_targets(const pl_arguments *arguments) {
         return pl_complain_usage(command, "--size-weight has no effect without --like or sizes "
                                           "(--size, --size-from, --keep-sizes)");
     if (arguments->library.size_weight == 0 && arguments->keep_sizes)
-        return pl_complain_usage(command,
-                                 "--size-weight 0 leaves --keep-sizes without effect: give more");
+        return pl_complain_usage(
+            command, "--keep-sizes has no effect with --size-weight 0: give a larger weight");
     if (n > 1)
         return pl_complain_usage(command, "give %s or %s, not both", targets[0], targets[1]);
     if (n == 1 && is_sized && arguments->n_inputs > 1)
@@ -110,8 +110,9 @@ int pl_arguments_check(const pl_arguments *arguments) {
         return pl_complain_usage(command, "give --min-volume for all elements or "
                                           "--min-volume-fraction, not both");
     if (library->area_weight > 0 && !pl_arguments_bound_volumes(arguments))
-        return pl_complain_usage(command, "--area-weight needs a minimum volume: --min-volume or "
-                                          "--min-volume-fraction");
+        return pl_complain_usage(
+            command,
+            "--area-weight needs a minimum volume: give --min-volume or --min-volume-fraction");
     if (arguments->fix_layers &&
         (arguments->layers == PL_LAYERS_IGNORED || arguments->layers == PL_LAYERS_KEPT))
         return pl_complain_usage(command, "give --fix-layers or --layers %s, not both",
@@ -140,7 +141,8 @@ int pl_arguments_check(const pl_arguments *arguments) {
                                  arguments->n_inputs);
     if (arguments->n_worst > 0 && arguments->verbosity == PL_QUIET && !arguments->json &&
         !arguments->report)
-        return pl_complain_usage(command, "--worst has no effect with --quiet and no report");
+        return pl_complain_usage(
+            command, "--worst has no effect with --quiet: give --json or --report, too");
     const char *optimiser =
         arguments->layers == PL_LAYERS_KEPT ? "layers keep" : arguments->optimiser;
     if (library->method != PLANISH_METHOD_PLANISH && optimiser)

@@ -5,8 +5,8 @@
 #include <string.h>
 
 const char *const pl_program_summary =
-    "Smooth and untangle meshes of tetrahedra or triangles. planish moves interior\n"
-    "nodes to improve the elements, and keeps everything else as it is.";
+    "Smooth and untangle meshes of tetrahedra, triangles and other elements. planish\n"
+    "moves interior nodes to improve the elements, and changes nothing else.";
 
 const char *const pl_program_formats =
     "Gmsh .msh, Medit .mesh and .meshb, VTK .vtk, .vtu and .vtkhdf, TetGen .node and\n"
@@ -16,17 +16,18 @@ const char *const pl_program_formats =
 
 static const pl_command_text command_table[] = {
     {PL_COMMAND_SMOOTH, "smooth", "IN OUT", "mesh file", 0, 1, "smooth a mesh",
-     "Move the interior nodes of the mesh IN to minimise the root mean square of the\n"
-     "radius ratios. Inverted elements are repaired first. Valid elements stay valid.\n"
-     "By default the worst element with a movable node never gets worse, and the\n"
-     "smallest angle never smaller; minimum volumes and other objectives relax this.\n"
-     "Mid-side nodes of second-order elements follow their corners. The result has the\n"
-     "same bits on any number of threads. OUT differs from IN in the coordinates of\n"
-     "moved nodes only. Behind IN, OUT must not be there yet; -o OUT replaces it.",
-     "0 done; 1 a usable mesh was written, but it has elements that are inverted or\n"
-     "below their minimum volume, smoothing stopped early, or a report could not be\n"
-     "written; 2 failed, nothing was written; 64 bad usage. Of several meshes the\n"
-     "highest counts.",
+     "Move the interior nodes of the mesh IN to minimise the root mean square (RMS) of\n"
+     "the radius ratios, which are 1 for regular elements and larger for others.\n"
+     "planish first repairs inverted elements. Valid elements stay valid. By default\n"
+     "the worst element with a movable node never gets worse, and the smallest angle\n"
+     "never gets smaller; minimum volumes and other objectives relax this. Mid-side\n"
+     "nodes of second-order elements follow their corners. The result has the same\n"
+     "bits on any number of threads. OUT differs from IN only in the coordinates of\n"
+     "moved nodes. Without -o, OUT must not exist yet; -o OUT replaces the file.",
+     "0 done; 1 planish wrote a usable mesh, but some elements are inverted or below\n"
+     "their minimum volume, smoothing stopped early, or a report could not be written;\n"
+     "2 failed, planish wrote nothing; 64 bad usage. For several meshes planish\n"
+     "returns the highest status.",
      "planish smooth in.msh out.msh --slide auto\n"
      "planish smooth in.vtu out.vtu --best --report page.html\n"
      "planish smooth deck.inp out.inp --fix LOAD --fix SUPPORT\n"
@@ -43,37 +44,38 @@ static const pl_command_text command_table[] = {
      "planish quality out.msh -o view.vtu"},
     {PL_COMMAND_COMPARE, "compare", "BEFORE AFTER", "mesh file", 0, 1,
      "compare two states of a mesh",
-     "Report the quality of the mesh BEFORE beside that of AFTER, which has the same\n"
-     "elements and other coordinates, in any format: tables and page are those of\n"
-     "smooth. 'planish quality A B' compares meshes that have other elements.",
+     "Compare the quality of two states of a mesh: BEFORE and AFTER have the same\n"
+     "elements but different coordinates. Each may have any format. The tables and the\n"
+     "HTML report are the same as those of smooth. 'planish quality A B' compares\n"
+     "meshes with different elements.",
      "0 if they were compared; 2 if not; 64 bad usage.",
      "planish compare in.msh out.msh\n"
      "planish compare in.vtu other-smoother.vtk --report page.html"},
     {PL_COMMAND_ADVISE, "advise", "IN", "mesh file", 0, 0, "measure a mesh and try to smooth it",
-     "Report the quality of the mesh IN, smooth it in memory in several ways, and name\n"
-     "the command worth running. No file is changed. 'planish IN' is the same. Each\n"
-     "trial smooths for at most half a minute.",
+     "Report the quality of the mesh IN, smooth it in memory in several ways, and print\n"
+     "the command that helps most. No file is changed. 'planish IN' does the same.\n"
+     "Each trial smooths for at most half a minute.",
      "0 if the trials were made; 2 if not; 64 bad usage.",
      "planish advise in.msh\n"
      "planish in.msh --fix LOAD"},
     {PL_COMMAND_GROUPS, "groups", "FILE", "mesh file", 0, 0, "list the groups of a mesh",
-     "List the groups of the mesh FILE as --fix, --slide and --min-volume take them: a\n"
-     "line each, with what is in the group (solids, faces, lines, nodes), how many of\n"
-     "these, and its tag.",
+     "List the groups of the mesh FILE, one per line: what the group contains (solids,\n"
+     "faces, lines or nodes), how many of these, and its tag. --fix, --slide and\n"
+     "--min-volume take tags.",
      "0 if the file was read; 2 if not; 64 bad usage.", "planish groups deck.inp"},
     {PL_COMMAND_CONVERT, "convert", "IN OUT", "mesh file", 0, 1, "convert a mesh to another format",
-     "Write the mesh IN to OUT in another format, which the extension of OUT tells, or\n"
-     "--to. Nodes, elements of all types, regions, named groups and arrays of data are\n"
-     "converted as far as the format has these; a note lists the rest. Behind IN, OUT\n"
-     "must not be there yet; -o OUT replaces it.",
+     "Write the mesh IN to OUT in another format. The extension of OUT, or --to, names\n"
+     "the format. planish converts nodes, elements of all types, regions, named groups\n"
+     "and arrays of data as far as the format can hold them; a note lists the rest.\n"
+     "Without -o, OUT must not exist yet; -o OUT replaces the file.",
      "0 if OUT was written; 2 if not; 64 bad usage.",
      "planish convert in.med out.vtu\n"
      "planish convert in.cgns -o out.msh --to gmsh22"},
     {PL_COMMAND_REPORT, "report", "RESULT.json [-o FILE.html]", "result", 0, 0,
      "create an HTML report from a JSON result",
      "Create an HTML report from RESULT.json, which smooth or quality wrote by --json.\n"
-     "It has tables, histograms, the convergence of the sweeps, and a picture of the\n"
-     "mesh if its files are unchanged.",
+     "The report has tables, histograms, the convergence of the sweeps, and a picture\n"
+     "of the mesh if the mesh files have not changed.",
      "0 if the HTML report was written; 2 if not; 64 bad usage.",
      "planish smooth in.msh out.msh --json result.json\n"
      "planish report result.json -o page.html"},

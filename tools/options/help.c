@@ -41,7 +41,7 @@ void pl_help_print(void) {
            pl_program_summary);
     for (int i = 0; (command = pl_command_at(i)); i++)
         put_summary(command->name, command->operands, command->summary);
-    put_summary("help", "[COMMAND]", "show this help, or that of a command");
+    put_summary("help", "[COMMAND]", "show this help, or the help of a command");
     put_summary("--version", "", "show the version and exit");
     printf("\nFormats:\n");
     put_lines(pl_program_formats, 0);

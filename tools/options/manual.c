@@ -86,17 +86,23 @@ static void put_man_options(void) {
 /** Put the sections that the tables know nothing of. */
 static void put_man_end(void) {
     const pl_command_text *command;
-    printf(
-        ".SH SIGNALS\n"
-        "SIGINT, SIGTERM and SIGHUP end the smoothing. planish then writes the mesh and exits with"
-        "\nstatus 1. A second signal ends planish at once.\n"
-        ".SH ENVIRONMENT\n"
-        ".TP\n.B OMP_NUM_THREADS\nnumber of threads without \\-\\-threads\n"
-        ".TP\n.BR OMP_PROC_BIND \", \" OMP_PLACES \", \" GOMP_CPU_AFFINITY\nif one of them is "
-        "set, planish binds no thread\n"
-        ".TP\n.B NO_COLOR\nif it is set and not empty, planish prints no colours; nor does it if"
-        "\nTERM is dumb, or the output is not a terminal\n"
-        ".SH EXAMPLES\n.EX\n");
+    printf(".SH SIGNALS\n"
+           "SIGINT, SIGTERM and SIGHUP end the smoothing. planish then writes the mesh and exits "
+           "with\n"
+           "status 1. A second signal ends planish at once.\n"
+           ".SH ENVIRONMENT\n"
+           ".TP\n"
+           ".B OMP_NUM_THREADS\n"
+           "number of threads if there is no \\-\\-threads\n"
+           ".TP\n"
+           ".BR OMP_PROC_BIND \", \" OMP_PLACES \", \" GOMP_CPU_AFFINITY\n"
+           "if one of them is set, planish binds no thread\n"
+           ".TP\n"
+           ".B NO_COLOR\n"
+           "if it is set and not empty, planish prints no colours; planish also prints no\n"
+           "colours if TERM is dumb or the output is not a terminal\n"
+           ".SH EXAMPLES\n"
+           ".EX\n");
     for (int i = 0; (command = pl_command_at(i)); i++) {
         put_troff(command->examples);
         printf("\n");
@@ -108,7 +114,8 @@ static void put_man_end(void) {
 static void put_man(void) {
     const pl_command_text *command;
     printf(".TH PLANISH 1 \"\" \"planish %s\" \"User commands\"\n", planish_version());
-    printf(".SH NAME\nplanish \\- smooth and untangle meshes of tetrahedra or triangles\n"
+    printf(".SH NAME\n"
+           "planish \\- smooth and untangle meshes of tetrahedra, triangles and other elements\n"
            ".SH SYNOPSIS\n");
     for (int i = 0; (command = pl_command_at(i)); i++) {
         put_synopsis(command);
@@ -130,12 +137,15 @@ static void put_man(void) {
     put_man_options();
     printf(".SH FORMATS\n");
     put_troff(pl_program_formats);
-    printf(
-        "\nplanish detects the format of a file by its content, then by its name, and writes the\n"
-        "format that it has read.\nIf\n.I OUT\nhas the extension of another format that\n.B "
-        "planish "
-        "convert\nwrites, it is converted.\n"
-        ".SH EXIT STATUS\n");
+    printf("\n"
+           "planish detects the format of a file by its content, then by its name, and writes the\n"
+           "format that it has read.\n"
+           "If\n"
+           ".I OUT\n"
+           "has the extension of another format that\n"
+           ".B planish convert\n"
+           "writes, planish converts the mesh.\n"
+           ".SH EXIT STATUS\n");
     for (int i = 0; (command = pl_command_at(i)); i++) {
         printf(".TP\n.B %s\n", command->name);
         put_troff(command->exit_status);

@@ -300,31 +300,31 @@ enum {
 static const pl_option option_table[] = {
     {'o', "output", "OUT", SMOOTH, set_text, AT(output), 0, 0, "must be the name of a file",
      "write the smoothed mesh to OUT, which may be IN; keep\n"
-     "the format of IN and change coordinates only; convert\n"
-     "to another format that planish convert writes if OUT\n"
-     "ends as its files do",
+     "the format of IN and change only coordinates; if OUT\n"
+     "has the extension of another format that planish\n"
+     "convert writes, convert to that format",
      "file"},
     {'o', "output", "OUT", CONVERT, set_text, AT(output), 0, 0, "must be the name of a file",
-     "write the converted mesh to OUT; without -o, OUT must\n"
-     "not be there yet",
+     "write the converted mesh to OUT, and replace an\n"
+     "existing file; without -o, OUT must not exist yet",
      "file"},
     {0, "output-dir", "DIR", SMOOTH, set_text, AT(output_dir), 0, 0, "must be the name of a folder",
-     "write each smoothed mesh to folder DIR, under the\n"
-     "name that it has, and replace files there; IN may be\n"
+     "write each smoothed mesh to folder DIR under its own\n"
+     "name, and replace existing files there; IN may be\n"
      "several meshes",
      "file"},
     {0, "in-place", NULL, SMOOTH, set_flag, AT(in_place), 1, 0, NULL,
      "replace IN by the smoothed mesh; IN may be several\nmeshes", NULL},
     {0, "best", NULL, SMOOTH | OPTIMISES, set_best, 0, 0, 0, NULL,
-     "reach the best worst elements, which takes longer:\n"
-     "same as --slide curved --objective worst, in a plane\n"
-     "--slide auto --objective worst",
+     "improve the worst elements most, which takes longer:\n"
+     "same as --slide curved --objective worst; for a mesh\n"
+     "in a plane same as --slide auto --objective worst",
      NULL},
     {0, "fast", NULL, SMOOTH, set_fast, 0, 0, 0, NULL, "stop early: same as --tolerance 1e-3",
      NULL},
     {'o', "output", "VIEW", QUALITY, set_text, AT(output), 0, 0, "must be the name of a file",
-     "write a copy for viewing to VIEW, which ends in .vtu\n"
-     "or .vtk, with the measures of all elements",
+     "write a copy for viewing to VIEW (.vtu or .vtk), with\n"
+     "the measures of every element",
      "file"},
     {'o', "output", "FILE", REPORT, set_text, AT(output), 0, 0, "must be the name of a file",
      "write the HTML report to FILE, - for standard output\n"
@@ -344,51 +344,58 @@ static const pl_option option_table[] = {
      "gmsh medit vtk vtu vtkhdf med cgns dmplex tetgen netgen abaqus nastran off stl obj ply mfem "
      "exodus ucd su2 unv xdmf elmer openfoam"},
     {0, "method", "NAME", SMOOTH, set_choice, AT(library.method), 0, 0, NULL,
-     "move nodes by planish (default) or, for comparison,\n"
-     "laplacian, area-laplacian or length-laplacian, which\n"
-     "may invert elements",
+     "move nodes by the method planish (default) or, for\n"
+     "comparison only, laplacian, area-laplacian or\n"
+     "length-laplacian, which may invert elements",
      "planish laplacian area-laplacian length-laplacian"},
     {0, "objective", "NAME", SMOOTH | OPTIMISES, set_objective, 0, 0, 0, NULL,
-     "minimise the RMS of radius-ratio (default of\n"
-     "triangles and tetrahedra), mean-ratio (default of\n"
+     "minimise the RMS of radius-ratio (default for\n"
+     "triangles and tetrahedra), mean-ratio (default for\n"
      "other elements) or edge-ratio; or worst: minimise the\n"
      "default, then improve the worst elements",
      "radius-ratio mean-ratio edge-ratio worst"},
     {0, "worst-measure", "NAME", SMOOTH | OPTIMISES | OF_WORST, set_worst_measure, 0, 0, 0, NULL,
-     "improve this with --objective worst: dihedral (the\n"
-     "smallest and largest angles, default) or radius-ratio\n"
-     "of triangles and tetrahedra; scaled-jacobian\n"
-     "(default) or aspect-ratio of other elements",
+     "with --objective worst, improve this measure: for\n"
+     "triangles and tetrahedra dihedral (smallest and\n"
+     "largest angles, default) or radius-ratio; for other\n"
+     "elements scaled-jacobian (default) or aspect-ratio",
      "dihedral radius-ratio aspect-ratio scaled-jacobian"},
     {0, "worst-rise", "R", SMOOTH | OPTIMISES | OF_WORST, set_real, AT(library.worst_rise), 0, 1e6,
      "must be a number from 0 to 1e6",
-     "allow a relative RMS increase of R for the worst\n"
-     "elements (default 0.01)",
+     "with --objective worst, let the RMS rise by at most\n"
+     "the fraction R (default 0.01)",
      NULL},
     {0, "direction", "NAME", SMOOTH | OPTIMISES, set_choice, AT(library.search), 0, 0, NULL,
      "use the search direction newton (default) or\n"
      "fletcher-reeves",
      "newton fletcher-reeves"},
     {0, "min-volume", "[TAG=]V", BOTH, set_min_volume, 0, 0, 0,
-     "must be a volume (area in 2-D) above 0, or TAG=V with such a V",
-     "require volume V (area in 2-D) or more of every\n"
-     "element, or of those of group TAG (default: none);\n"
-     "repeatable with a TAG",
+     "must be a volume (area in 2-D) above 0, or TAG=V with V above 0",
+     "require at least volume V (area in 2-D) of every\n"
+     "element, or of the elements in group TAG; repeatable\n"
+     "with a TAG (default: no minimum)",
      NULL},
     {0, "min-volume-fraction", "F", BOTH, set_real, AT(library.min_volume_fraction), ABOVE_0,
-     BELOW_1, "must be a number between 0 and 1", "set V to F times the volume of all elements",
+     BELOW_1, "must be a number between 0 and 1",
+
+     "like --min-volume, with V = F times the volume of the\n"
+     "whole mesh",
      NULL},
     {0, "area-weight", "MU2", SMOOTH | OPTIMISES, set_real, AT(library.area_weight), 0, 1,
      "must be a number from 0 to 1",
-     "minimise (1 - MU2) RMS of the objective + MU2 RMS of\n1 - volume/V (default 0)", NULL},
+     "minimise (1 - MU2) * RMS(objective)\n"
+     "+ MU2 * RMS(1 - volume/V) (default 0)",
+     NULL},
     {0, "box", "X0,Y0[,Z0],X1,Y1[,Z1]", SMOOTH, set_box, 0, 0, 0,
      "must be X0,Y0,X1,Y1, in 3-D X0,Y0,Z0,X1,Y1,Z1",
-     "keep movable nodes in the box; nodes outside stay", NULL},
+     "keep movable nodes inside this box; do not move nodes\n"
+     "that start outside",
+     NULL},
     {0, "max-displacement", "D", SMOOTH, set_max_displacement, 0, 0, 0,
      "must be a distance above 0, or a number and h for that many edge lengths",
-     "move no node farther than D from its place in IN, or\n"
-     "with Dh than D times the mean length of its edges\n"
-     "(default: no limit)",
+     "move no node farther than D from its place in IN; Dh,\n"
+     "such as 0.5h, means D times the mean length of the\n"
+     "node's edges (default: no limit)",
      NULL},
     {0, "no-untangle", NULL, SMOOTH | OPTIMISES, set_flag, AT(library.untangle), 0, 0, NULL,
      "leave inverted elements alone (default: repair them\n"
@@ -396,8 +403,9 @@ static const pl_option option_table[] = {
      NULL},
     {0, "max-sweeps", "N", SMOOTH, set_integer, AT(library.max_sweeps), 0, INT_MAX,
      "must be a whole number, 0 or more",
-     "stop after N sweeps of the untangled mesh, and N more\n"
-     "if nodes have to return (default 200)",
+     "stop after N smoothing sweeps, and N more if nodes\n"
+     "must return; untangling has its own limit\n"
+     "(default 200)",
      NULL},
     {0, "tolerance", "T", SMOOTH, set_real, AT(library.tolerance), 0, BELOW_1,
      "must be a number from 0 to less than 1",
@@ -411,22 +419,24 @@ static const pl_option option_table[] = {
      "(default: no limit)",
      NULL},
     {0, "fix", "TAG", MEASURE, set_fix, 0, 0, 0, "must be the NAME, N or DIM:N of a group",
-     "hold all nodes of group TAG: its NAME, N or DIM:N\n"
-     "(planish groups FILE lists them); repeatable",
+     "hold all nodes of group TAG, given as NAME, N or\n"
+     "DIM:N (planish groups FILE lists the groups);\n"
+     "repeatable",
      "group"},
     {0, "layers", "HOW", MEASURE, set_layers, 0, 0, 0, NULL,
-     "hold or ignore boundary layers, elements that are\n"
-     "thin in layers, or keep their heights while nodes\n"
-     "move along them (default: keep those with wedges,\n"
-     "hexahedra or quadrilaterals)",
+     "treat boundary layers, which are thin on purpose:\n"
+     "hold their nodes, keep their heights while nodes move\n"
+     "along the layer, or ignore layers (default: keep\n"
+     "layers with wedges, hexahedra or quadrilaterals, and\n"
+     "ignore others)",
      "hold keep ignore"},
     {0, "fix-layers", NULL, MEASURE, set_flag, AT(fix_layers), 1, 0, NULL, "same as --layers hold",
      NULL},
     {0, "regions", "NAME", MEASURE, set_regions, 0, 0, 0,
      "must be the name of an array of the file, or none",
-     "hold nodes between the values of array NAME (default:\n"
-     "all arrays that look like regions); repeatable;\n"
-     "none: let nodes between regions move",
+     "hold nodes between regions, the values of the element\n"
+     "array NAME; repeatable; none: let these nodes move\n"
+     "(default: all arrays that look like regions)",
      "none"},
     {0, "ignore-regions", NULL, MEASURE, set_regions, 0, 0, 0, NULL,
      "let nodes between regions (materials) move; same as\n"
@@ -435,96 +445,98 @@ static const pl_option option_table[] = {
     {0, "slide", "HOW", SMOOTH | OPTIMISES, set_slide, 0, 0, 0,
      "must be auto, curved, none, or the NAME, N or DIM:N of a group",
      "let boundary nodes slide: auto (in planes and along\n"
-     "straight edges, where the shape stays the same),\n"
-     "curved (on curved surfaces, too; default of surfaces\n"
-     "in space), none (default of others; of surfaces in\n"
-     "space: not along curves), or group TAG only (NAME, N\n"
-     "or DIM:N; repeatable)",
+     "straight edges: the shape stays the same), curved (on\n"
+     "curved surfaces, too), none, or only on a group\n"
+     "(NAME, N or DIM:N; repeatable); default: none, for\n"
+     "surface meshes in space curved, where none holds only\n"
+     "the nodes on curves",
      "auto curved none group"},
     {0, "surface-tolerance", "T", SMOOTH | OPTIMISES | OF_CURVED, set_surface_tolerance, 0, 0, 0,
      "must be a distance above 0, or a number and h for that many edge lengths",
-     "on curved surfaces: let no point of the surface be\n"
-     "farther than T, with Th than T mean edges, off the\n"
-     "original surface (default 0.05h)",
+     "on curved surfaces: keep every point within T of the\n"
+     "original surface; Th means T times the mean length of\n"
+     "the edges there (default 0.05h)",
      NULL},
     {0, "slide-interfaces", NULL, SMOOTH | OPTIMISES | OF_CURVED, set_flag, AT(slide_interfaces), 1,
      0, NULL, "with --slide curved: let nodes slide on curved\ninterfaces between regions, too",
      NULL},
     {0, "surface-of", "FILE", BOTH | OF_CURVED, set_text, AT(surface_of), 0, 0,
      "must be the name of a file",
-     "take the original surface from FILE, which has the\n"
-     "same elements: repeated runs do not add up (default:\n"
-     "IN); with quality: how far the surface is off it",
+     "take the original surface from FILE, a mesh with the\n"
+     "same elements, so that the errors of repeated runs do\n"
+     "not add up (default: IN); with quality: report the\n"
+     "distance from that surface",
      "file"},
     {0, "onto", "FILE", SMOOTH | OPTIMISES, set_text, AT(onto), 0, 0, "must be the name of a file",
-     "fit the surface to that of FILE (STL, OBJ, any\n"
-     "format): its nodes are moved there as far as elements\n"
-     "stay valid, and slide along it",
+     "fit the surface to the surface in FILE (STL, OBJ, any\n"
+     "format): move nodes there as far as elements stay\n"
+     "valid, then let these nodes slide along that surface",
      "file"},
     {0, "like", "FILE", BOTH | ADVISE | OPTIMISES, set_text, AT(like), 0, 0,
      "must be the name of a file",
-     "let each element become like it is in FILE, the same\n"
-     "mesh before it was deformed, in any format: layers\n"
-     "and gradings survive; with quality: compare with that\n"
-     "(default: with regular elements)",
+     "give each element the shape that it has in FILE, the\n"
+     "same mesh before it was deformed, in any format:\n"
+     "layers and gradings survive; with quality: measure\n"
+     "against that shape (default: the regular element)",
      "file"},
     {0, "size", "NAME", BOTH | OPTIMISES, set_text, AT(size), 0, 0,
      "must be the name of an array of the file",
-     "let elements have the sizes of array NAME of IN (VTK,\n"
-     "Gmsh) where they are, in relation to one another:\n"
-     "lengths of edges, or metrics (symmetric tensors), at\n"
-     "nodes or elements; with quality: compare with them",
+     "give elements the relative sizes in array NAME of IN\n"
+     "(VTK, Gmsh, Exodus, XDMF): lengths of edges, or\n"
+     "metrics (symmetric tensors), at nodes or elements;\n"
+     "with quality: compare with these sizes",
      NULL},
     {0, "size-from", "FILE", BOTH | OPTIMISES, set_text, AT(size_from), 0, 0,
      "must be the name of a file",
-     "let elements have the sizes or metrics of FILE, a\n"
-     ".sol or .solb of Medit's for the nodes of IN",
+     "give elements the relative sizes or metrics in FILE,\n"
+     "a .sol or .solb file of Medit for the nodes of IN",
      "file"},
     {0, "keep-sizes", NULL, SMOOTH | OPTIMISES, set_flag, AT(keep_sizes), 1, 0, NULL,
-     "let elements have the sizes that those of IN have\nthere", NULL},
+     "keep the sizes that elements have at each place in IN", NULL},
     {0, "size-weight", "W", SMOOTH | OPTIMISES, set_real, AT(library.size_weight), 0, 1,
      "must be a number from 0 to 1",
-     "with --like or sizes: let the sizes of elements count\n"
-     "by W, and their shapes by 1 - W (default 0 with\n"
-     "--like, else 0.9)",
+     "with --like or sizes: weigh sizes by W and shapes by\n"
+     "1 - W (default: 0 with --like, else 0.9)",
      NULL},
     {0, "crease-angle", "A", BOTH | OF_CURVED, set_real, AT(crease_angle), 0, 180,
      "must be a number of degrees from 0 to 180",
-     "keep edges of curved surfaces that bend by more than\n"
-     "A degrees, and no others but for groups (default:\n"
-     "find creases)",
+     "on curved surfaces: keep sharp the edges where the\n"
+     "surface bends by more than A degrees, and borders of\n"
+     "groups (default: find sharp edges)",
      NULL},
     {0, "slide-tolerance", "T", MEASURE, set_real, AT(slide_tolerance), ABOVE_0, 1e-3,
      "must be a fraction above 0, up to 1e-3",
-     "accept nodes up to T times the diagonal of the\n"
-     "bounding box off their plane or line (default 1e-8,\n"
-     "more for files of few digits); also for triangles in\n"
-     "a tilted plane",
+     "accept nodes that are off their plane or line by up\n"
+     "to T times the diagonal of the bounding box (default\n"
+     "1e-8, more if the file has few digits); also for\n"
+     "triangles in a tilted plane",
      NULL},
     {0, "only-worse-than", "RR", SMOOTH | OPTIMISES, set_real, AT(library.only_worse_than), 1,
      DBL_MAX, "must be a ratio, 1 or more",
-     "move only nodes of elements with a radius ratio (with\n"
-     "other elements: aspect ratio) above RR (default: move\n"
-     "all)",
+     "move only nodes of elements whose radius ratio is\n"
+     "above RR; in meshes with other elements the aspect\n"
+     "ratio (default: move all)",
      NULL},
     {0, "curve-quality", "Q", SMOOTH | OPTIMISES, set_real, AT(library.curve_quality), 0, 1,
      "must be a number from 0 to 1",
-     "let mid-side nodes move by themselves where the least\n"
-     "Jacobian of a curved element is below Q of its mean\n"
-     "(default 0.3; 0: they follow)",
+     "let mid-side nodes move on their own where the least\n"
+     "Jacobian of a curved element is below Q times its\n"
+     "mean (default 0.3; 0: they only follow their corners)",
      NULL},
     {0, "rings", "K", SMOOTH | OPTIMISES, set_integer, AT(library.rings), 0, 100,
      "must be a whole number from 0 to 100",
-     "with --only-worse-than: move K rings of elements\naround these as well (default 0)", NULL},
+     "with --only-worse-than: also move nodes of K rings of\n"
+     "elements around these (default 0)",
+     NULL},
     {'j', "threads", "N", MEASURE | CONVERT, set_integer, AT(library.threads), 1, PL_MAX_THREADS,
      "must be a whole number from 1 to 1024",
      "run on N threads (default: OMP_NUM_THREADS, else one\n"
      "for each core, fewer for a small mesh)",
      NULL},
     {0, "bind", "HOW", MEASURE, set_choice, AT(leave_unbound), 0, 0, NULL,
-     "bind one thread to each core if there are enough\n"
-     "cores and OpenMP's variables say nothing (auto,\n"
-     "default), or leave threads unbound (none)",
+     "auto (default): bind one thread to each core, if\n"
+     "there are enough cores and no variable of OpenMP says\n"
+     "otherwise; none: leave threads unbound",
      "auto none"},
     {0, "json", "FILE", BOTH | COMPARE, set_text, AT(json), 0, 0, FILE_OR_STDOUT,
      "write the result as JSON to FILE, - for standard\n"

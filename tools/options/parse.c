@@ -111,8 +111,8 @@ static int complain_of_many(const pl_arguments *arguments, const pl_command_text
                             const char *second) {
     if (arguments->command == PL_COMMAND_SMOOTH && !arguments->output)
         return pl_complain_usage(command->name,
-                                 "unexpected argument '%s': --output-dir DIR or --in-place smooths "
-                                 "several meshes",
+                                 "unexpected argument '%s': to smooth several meshes, give "
+                                 "--output-dir DIR or --in-place",
                                  second);
     return pl_complain_usage(command->name, "unexpected argument '%s': give one %s", second,
                              command->operand);

@@ -40,7 +40,7 @@ void pl_hint_print(FILE *stream, const pl_job *job, const pl_result *result) {
         pl_arguments_target(job->arguments))
         return;
     if (!is_held && !job->arguments->worst)
-        fputs("hint: --objective worst goes on with the worst elements\n", stream);
+        fputs("hint: --objective worst improves the worst elements further\n", stream);
     else if (is_held && name_option(job, option, sizeof option))
-        fprintf(stream, "hint: the worst element has no free node; %s\n", option);
+        fprintf(stream, "hint: the worst element has no movable node; %s\n", option);
 }

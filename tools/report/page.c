@@ -65,8 +65,7 @@ static void put_moved(pl_markup *page, const pl_figures *figures, const cJSON *m
     pl_markup_put_count(page, pl_figure_count(figures->result, "moved_nodes"));
     pl_markup_put(page, " of ");
     pl_markup_put_count(page, pl_figure_count(mesh, "nodes"));
-    pl_markup_put(page,
-                  figures->is_compared ? " nodes are elsewhere, by up to " : " nodes by up to ");
+    pl_markup_put(page, figures->is_compared ? " nodes differ, by up to " : " nodes by up to ");
     pl_markup_put_real(page, pl_figure(figures->result, "max_displacement"));
     pl_markup_put(page, " (units of the file)");
 }
@@ -108,7 +107,7 @@ static void put_change(pl_markup *page, const pl_figures *figures, const cJSON *
     if (inverted > 0) {
         pl_markup_put(page, inverted == 1 ? " There was " : " There were ");
         pl_markup_put_number_of(page, inverted, "inverted element", "inverted elements");
-        pl_markup_put(page, " before, and now there %s ", left == 1 ? "is" : "are");
+        pl_markup_put(page, " before; now there %s ", left == 1 ? "is" : "are");
         if (left > 0)
             pl_markup_put_count(page, left);
         pl_markup_put(page, left > 0 ? "." : "none.");
@@ -120,21 +119,21 @@ static void put_target(pl_markup *page, const pl_figures *figures, const cJSON *
     if (figures->like[0]) {
         pl_markup_put(page, "<p id=\"target\">The target of each element is its shape in <code>");
         pl_markup_put_text(page, figures->like);
-        pl_markup_put(page,
-                      "</code>: aspect ratios are against that, and 1 is the same shape.</p>\n");
+        pl_markup_put(page, "</code>: an aspect ratio of 1 means the same shape.</p>\n");
     } else if (figures->of_sizes || figures->of_metric) {
-        pl_markup_put(page, "<p id=\"target\">Elements are to have the %s of <code>",
+        pl_markup_put(page, "<p id=\"target\">The elements should have the %s in <code>",
                       figures->of_metric ? "metric" : "sizes");
         pl_markup_put_text(page, pl_figure_text(figures->result, "sizes_of"));
-        pl_markup_put(page, "</code>, in relation to one another. Aspect ratios are %s.</p>\n",
-                      figures->of_metric ? "those where lengths are measured by it"
-                                         : "against regular elements");
+        pl_markup_put(page, "</code>, relative to one another. Aspect ratios %s.</p>\n",
+                      figures->of_metric ? "measure lengths by the metric"
+                                         : "compare elements with regular ones");
     } else if (figures->has_targets) {
-        pl_markup_put(page,
-                      "<p id=\"target\">The layers keep their heights: aspect ratios of their ");
+        pl_markup_put(
+            page, "<p id=\"target\">The layers keep their heights. Aspect ratios compare their ");
         pl_markup_put_count(page, pl_figure_count(mesh, "kept_layer_elements"));
-        pl_markup_put(page, " elements are against the heights that they had, and of others "
-                            "against regular elements.</p>\n");
+        pl_markup_put(
+            page,
+            " elements with their former heights, and other elements with regular ones.</p>\n");
     }
 }
 
@@ -144,9 +143,8 @@ static void put_layers(pl_markup *page, const cJSON *mesh) {
     if (pl_figure_text(mesh, "layers_not_kept_with")[0]) {
         pl_markup_put(page, "<p class=\"quiet\">");
         pl_markup_put_count(page, pl_figure_count(mesh, "held_layer_elements"));
-        pl_markup_put(page,
-                      " elements are thin in layers. Their nodes are held, as heights cannot be "
-                      "kept with ");
+        pl_markup_put(page, " elements are thin in layers. planish held their nodes, because it "
+                            "cannot keep heights with ");
         pl_markup_put_text(page, pl_figure_text(mesh, "layers_not_kept_with"));
         pl_markup_put(page, ".</p>\n");
     }
@@ -222,7 +220,7 @@ static void put_summary(pl_markup *page, const pl_figures *figures) {
     pl_markup_put(page, "</p>\n<p class=\"verdict%s\">%s: ", valid ? "" : " bad",
                   valid ? "Valid" : "Not valid");
     put_mesh(page, figures);
-    pl_markup_put(page, valid            ? ", all positive, decided exactly."
+    pl_markup_put(page, valid            ? ", all positive (decided exactly)."
                         : n_inverted > 0 ? ", some inverted."
                                          : ", some undecided.");
     pl_markup_put(page, "</p>\n");
@@ -299,7 +297,7 @@ static void put_help(pl_markup *page, const pl_figures *figures, const pl_pictur
         pl_markup_put(page, "The picture has no mid-side nodes. ");
     pl_picture_count(picture, &n_all, &n_drawn);
     if (n_drawn < n_all) {
-        pl_markup_put(page, "The picture is coarse: it has ");
+        pl_markup_put(page, "The picture is simplified: it has ");
         pl_markup_put_count(page, n_drawn);
         pl_markup_put(page, " of %s ", figures->is_solid ? "the surface's" : "all");
         pl_markup_put_count(page, n_all);

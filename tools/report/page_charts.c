@@ -52,8 +52,8 @@ static void end_bins(bins *b, double end) {
 /** Put the bins as a table. */
 static void put_bins_table(pl_markup *page, const pl_figures *figures, const bins *b) {
     pl_markup_put(page,
-                  "<details><summary>Figures</summary><div class=\"scroll\"><table><thead><tr>"
-                  "<th scope=\"col\">from</th><th scope=\"col\">to</th>");
+                  "<details><summary>Numbers</summary><div class=\"scroll\"><table><thead><tr><th "
+                  "scope=\"col\">from</th><th scope=\"col\">to</th>");
     for (int s = 0; s < figures->n_states; s++)
         pl_markup_put(page, "<th scope=\"col\">%s</th>", figures->name[s]);
     pl_markup_put(page, "</tr></thead><tbody>\n");
@@ -129,9 +129,10 @@ void pl_page_put_histograms(pl_markup *page, const pl_figures *all) {
                   !all->has_types || is_of_types ? "Elements"
                   : figures->is_solid            ? "Straight tetrahedra"
                                                  : "Straight triangles");
-    pl_markup_put(page, "<p class=\"quiet\">The axis of the numbers is logarithmic, so that a "
-                        "few bad elements show beside many good ones. Inverted elements have "
-                        "no quality and are not counted.</p>\n<div class=\"charts\">\n");
+    pl_markup_put(page, "<p class=\"quiet\">The axis for the numbers of elements is logarithmic, "
+                        "so that a few bad elements are visible beside many good ones. Inverted "
+                        "elements have no quality and are not counted.</p>\n"
+                        "<div class=\"charts\">\n");
     put_histogram(page, figures, "aspect_histogram", "Aspect ratio", "aspect ratio AR (ideal: 1)");
     put_histogram(page, figures, "histogram", "Radius ratio",
                   figures->is_solid ? "radius ratio R/(3r) (regular: 1)"
@@ -209,7 +210,7 @@ static void put_curves(pl_markup *page, const history *h, int over_time) {
                               .x = over_time ? h->time : h->sweep,
                               .n_series = 2,
                               .y = {h->rms, h->movable},
-                              .name = {"all elements", "elements with a free node"},
+                              .name = {"all elements", "elements with a movable node"},
                               .phase = h->phase};
     pl_markup_put(page, "<figure><h3>%s</h3>\n", over_time ? "Over time" : "By sweep");
     pl_chart_curves(page, &curves);
@@ -239,10 +240,10 @@ static void put_history_table(pl_markup *page, const history *h) {
     const int64_t stride = h->n / MOST_ROWS + 1;
     pl_markup_put(
         page,
-        "<details><summary>Figures</summary><div class=\"scroll\"><table class=\"many\"><thead>"
+        "<details><summary>Numbers</summary><div class=\"scroll\"><table class=\"many\"><thead>"
         "<tr><th scope=\"col\">sweep</th><th scope=\"col\" class=\"word\">phase"
         "</th><th scope=\"col\">seconds</th><th scope=\"col\">RMS</th><th "
-        "scope=\"col\">RMS, free nodes</th><th scope=\"col\">inverted</th></tr>"
+        "scope=\"col\">RMS, movable</th><th scope=\"col\">inverted</th></tr>"
         "</thead><tbody>\n");
     for (int64_t i = 0; i < h->n; i++) {
         if (i % stride != 0 && i != h->n - 1)

@@ -85,7 +85,7 @@ void pl_page_put_run(pl_markup *page, const pl_figures *figures) {
     put_fact(page, "targets of the elements",
              figures->of_sizes                           ? "sizes"
              : figures->of_metric                        ? "a metric"
-             : figures->has_targets && !figures->like[0] ? "the layers as they were"
+             : figures->has_targets && !figures->like[0] ? "former heights of the layers"
                                                          : figures->like);
     put_fact(page, "ended", pl_figure_text(result, "stop"));
     pl_markup_put(page, "</tbody></table></div></section>\n");
@@ -194,8 +194,8 @@ void pl_page_put_surface(pl_markup *page, const pl_figures *figures) {
         {"nodes at corners", "on_corners"},
         {"nodes out of reach", "out_of_reach"},
         {"nodes that are held", "held"},
-        {"nodes off the other surface before", "off_before"},
-        {"nodes off it now", "off"},
+        {"nodes off the other surface, before", "off_before"},
+        {"nodes off the other surface, after", "off"},
         {"corners", "corners"},
         {"patches", "patches"},
         {"edges between them", "feature_edges"},
@@ -213,8 +213,8 @@ void pl_page_put_surface(pl_markup *page, const pl_figures *figures) {
         page, is_fitted ? "distance from the other surface" : "distance from the original surface",
         surface, "distance", "distance_in_edges");
     put_distance(page,
-                 is_fitted ? "distance of the other one from it"
-                           : "distance of the original one from it",
+                 is_fitted ? "distance of the other surface from this one"
+                           : "distance of the original surface from this one",
                  surface, "distance_back", "distance_back_in_edges");
     if (isfinite(bend))
         pl_markup_put(page,
@@ -227,25 +227,26 @@ void pl_page_put_surface(pl_markup *page, const pl_figures *figures) {
     put_fact(page, "other surface", pl_figure_text(surface, "onto"));
     pl_markup_put(page, "</tbody></table></div>\n");
     if (isfinite(pl_figure(surface, "distance")))
-        pl_markup_put(
-            page, "<p class=\"quiet\">Distances are proved for every point, not sampled.</p>\n");
+        pl_markup_put(page, "<p class=\"quiet\">planish proved these distances for every point; "
+                            "they are not sampled.</p>\n");
     put_volumes(page, surface);
     pl_markup_put(page, "</section>\n");
 }
 
 /** Put what is not worse than before. */
 static void put_claims(pl_markup *page, const pl_figures *figures) {
-    pl_markup_put(page, "<div class=\"scroll\"><table><thead><tr><th scope=\"col\">not worse than "
-                        "before</th><th scope=\"col\">before</th><th scope=\"col\">after</th>"
-                        "<th scope=\"col\" class=\"word\">claim</th></tr></thead><tbody>\n");
+    pl_markup_put(page,
+                  "<div class=\"scroll\"><table><thead><tr><th scope=\"col\">measure that must not "
+                  "get worse</th><th scope=\"col\">before</th><th scope=\"col\">after</th><th "
+                  "scope=\"col\" class=\"word\">promise</th></tr></thead><tbody>\n");
     put_claim(page, figures, "inverted elements", "inverted", 1);
-    put_claim(page, figures, "worst radius ratio of elements with a free node",
+    put_claim(page, figures, "worst radius ratio of elements with a movable node",
               "max_radius_ratio_movable", 1);
-    put_claim(page, figures, "smallest angle of elements with a free node",
+    put_claim(page, figures, "smallest angle of elements with a movable node",
               "min_dihedral_movable_deg", 0);
     put_claim(page, figures, "RMS radius ratio", "rms_radius_ratio", 1);
     if (figures->has_types) { /* these have no radius ratios and angles */
-        put_claim(page, figures, "worst aspect ratio of elements with a free node",
+        put_claim(page, figures, "worst aspect ratio of elements with a movable node",
                   "max_aspect_ratio_movable", 1);
         if (!figures->has_targets)
             put_claim(page, figures, "least scaled Jacobian", "min_scaled_jacobian", 0);
@@ -253,12 +254,11 @@ static void put_claims(pl_markup *page, const pl_figures *figures) {
     }
     pl_markup_put(page, "</tbody></table></div>\n<p class=\"quiet\">%s</p>\n",
                   strcmp(pl_figure_text(figures->result, "method"), "planish") == 0
-                      ? "planish promises all of these for a valid mesh and the default "
-                        "objective. Untangling, minimum volumes and other objectives may cost "
-                        "the last three."
+                      ? "For a valid mesh and the default objective planish promises all of these. "
+                        "Untangling, minimum volumes and other objectives may break the last three."
                   : figures->is_compared
-                      ? "planish did not make the second mesh, and promises nothing of it."
-                      : "This method serves for comparison; planish promises nothing of it.");
+                      ? "planish did not make the second mesh, and promises nothing about it."
+                      : "This method is for comparison only; planish promises nothing about it.");
 }
 
 void pl_page_put_certificate(pl_markup *page, const pl_figures *figures) {
@@ -273,18 +273,17 @@ void pl_page_put_certificate(pl_markup *page, const pl_figures *figures) {
         pl_markup_put(page, " inverted or flat%s.", figures->has_types ? " somewhere" : "");
     }
     if (undecided > 0) {
-        pl_markup_put(page, " The sign of ");
-        pl_markup_put_number_of(page, undecided, "element is", "elements are");
-        pl_markup_put(page, " not decided.");
+        pl_markup_put(page, " planish could not decide the sign of ");
+        pl_markup_put_number_of(page, undecided, "element.", "elements.");
     } else {
-        pl_markup_put(page, " planish decided the sign of each exactly, on the coordinates %s.",
+        pl_markup_put(page, " planish decided each sign exactly, from the coordinates %s.",
                       figures->n_states == 2 ? "as written" : "in the file");
     }
     pl_markup_put(page, "</p>\n");
     if (figures->n_states == 2)
         put_claims(page, figures);
-    put_list(page, figures, "unfixable", "element cannot be repaired wherever the free nodes are",
-             "elements cannot be repaired wherever the free nodes are");
+    put_list(page, figures, "unfixable", "element cannot be repaired, wherever the free nodes go",
+             "elements cannot be repaired, wherever the free nodes go");
     put_list(page, figures, "below_min", "element is below its minimum volume",
              "elements are below their minimum volume");
     pl_markup_put(page, "<div class=\"scroll\"><table><tbody>\n");
@@ -293,7 +292,10 @@ void pl_page_put_certificate(pl_markup *page, const pl_figures *figures) {
              figures->n_states == 2 ? "checksum of the coordinates written"
                                     : "checksum of the coordinates",
              pl_figure_text(result, "checksum"));
-    pl_markup_put(page, "</tbody></table></div>\n<p class=\"quiet\">The checksum is that of "
-                        "the bits of all coordinates; it is the same on any number of threads. "
-                        "<code>planish quality FILE --json -</code> prints it.</p>\n</section>\n");
+    pl_markup_put(
+        page,
+        "</tbody></table></div>\n"
+        "<p class=\"quiet\">The checksum covers the bits of all coordinates. It is the same on any "
+        "number of threads. <code>planish quality FILE --json -</code> prints it.</p>\n"
+        "</section>\n");
 }

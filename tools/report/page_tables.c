@@ -34,16 +34,16 @@ static const measure measures[] = {
     {"below_min_volume", "elements below their minimum volume", "elements below their minimum area",
      "", LESS_IS_BETTER, "", 1},
     {"max_radius_ratio", "worst radius ratio", "worst radius ratio", "", LESS_IS_BETTER, "main", 0},
-    {"max_radius_ratio_movable", "of elements with a free node", "of elements with a free node", "",
-     LESS_IS_BETTER, "part", 0},
+    {"max_radius_ratio_movable", "of elements with a movable node",
+     "of elements with a movable node", "", LESS_IS_BETTER, "part", 0},
     {"min_dihedral_deg", "smallest dihedral angle", "smallest angle", "°", MORE_IS_BETTER, "main",
      0},
-    {"min_dihedral_movable_deg", "of elements with a free node", "of elements with a free node",
-     "°", MORE_IS_BETTER, "part", 0},
+    {"min_dihedral_movable_deg", "of elements with a movable node",
+     "of elements with a movable node", "°", MORE_IS_BETTER, "part", 0},
     {"max_dihedral_deg", "largest dihedral angle", "largest angle", "°", LESS_IS_BETTER, "", 0},
     {"rms_radius_ratio", "RMS radius ratio", "RMS radius ratio", "", LESS_IS_BETTER, "main", 0},
-    {"rms_radius_ratio_movable", "of elements with a free node", "of elements with a free node", "",
-     LESS_IS_BETTER, "part", 0},
+    {"rms_radius_ratio_movable", "of elements with a movable node",
+     "of elements with a movable node", "", LESS_IS_BETTER, "part", 0},
     {"mean_radius_ratio", "mean radius ratio", "mean radius ratio", "", LESS_IS_BETTER, "", 0},
     {"min_jacobian_ratio", "least Jacobian coefficient / mean, curved elements",
      "least Jacobian coefficient / mean, curved elements", "", MORE_IS_BETTER, "", 0},
@@ -67,11 +67,11 @@ static const measure cell_measures[] = {
     {"below_min_volume", "elements below their minimum volume", "elements below their minimum area",
      "", LESS_IS_BETTER, "", 1},
     {"max_aspect_ratio", "worst aspect ratio", "worst aspect ratio", "", LESS_IS_BETTER, "main", 0},
-    {"max_aspect_ratio_movable", "of elements with a free node", "of elements with a free node", "",
-     LESS_IS_BETTER, "part", 0},
+    {"max_aspect_ratio_movable", "of elements with a movable node",
+     "of elements with a movable node", "", LESS_IS_BETTER, "part", 0},
     {"rms_aspect_ratio", "RMS aspect ratio", "RMS aspect ratio", "", LESS_IS_BETTER, "main", 0},
-    {"rms_aspect_ratio_movable", "of elements with a free node", "of elements with a free node", "",
-     LESS_IS_BETTER, "part", 0},
+    {"rms_aspect_ratio_movable", "of elements with a movable node",
+     "of elements with a movable node", "", LESS_IS_BETTER, "part", 0},
     {"mean_aspect_ratio", "mean aspect ratio", "mean aspect ratio", "", LESS_IS_BETTER, "", 0},
     {"min_scaled_jacobian", "least scaled Jacobian", "least scaled Jacobian", "", MORE_IS_BETTER,
      "main", 0},
@@ -185,11 +185,13 @@ static void put_floor(pl_markup *page, const pl_figures *figures) {
     if (n <= 0)
         return;
     pl_markup_put(page, "<p class=\"quiet\">");
-    pl_markup_put_number_of(page, n, "element has no free node and stays as it is.",
-                            "elements have no free node and stay as they are.");
+    pl_markup_put_number_of(page, n, "element has no movable node and stays as it is.",
+                            "elements have no movable node and stay as they are.");
     if (isfinite(worst)) {
-        pl_markup_put(page, " No smoothing can bring the worst %s ratio below theirs, ",
-                      figures->has_types ? "aspect" : "radius");
+        pl_markup_put(
+            page,
+            " Smoothing cannot bring the worst %s ratio of the mesh below the worst of these, ",
+            figures->has_types ? "aspect" : "radius");
         pl_markup_put_real(page, worst);
         pl_markup_put(page, ".");
     }
@@ -213,8 +215,10 @@ static void put_held(pl_markup *page, const pl_figures *figures) {
         pl_markup_put_count(page, n);
         pl_markup_put(page, "</td></tr>\n");
     }
-    pl_markup_put(page, "</tbody></table></div>\n<p class=\"quiet\">Each node counts once, by its "
-                        "first reason in this order.");
+    pl_markup_put(
+        page,
+        "</tbody></table></div>\n"
+        "<p class=\"quiet\">Each node counts once, under the first of its reasons in this order.");
     if (n_doubled > 0) {
         pl_markup_put(page, " ");
         pl_markup_put_number_of(page, n_doubled, "of them is at the place of another node.",
@@ -232,8 +236,8 @@ static void put_spreads(pl_markup *page, const pl_figures *figures) {
         {"edge_ratio", "longest / shortest edge"},
         {"mean_ratio", "mean ratio"},
         {"scaled_jacobian", "scaled Jacobian"},
-        {"smallest_angle_deg", "smallest angle of each, degrees"},
-        {"largest_angle_deg", "largest angle of each, degrees"}};
+        {"smallest_angle_deg", "smallest angle of each element, degrees"},
+        {"largest_angle_deg", "largest angle of each element, degrees"}};
     static const char *const parts[] = {"min", "mean", "max"};
     pl_markup_put(
         page, "<details><summary>All measures</summary><div class=\"scroll\"><table class=\"many\">"
@@ -337,9 +341,8 @@ void pl_page_put_measures(pl_markup *page, const pl_figures *figures) {
         put_types(page, figures);
     if (figures->has_types && !figures->has_targets && figures->n_states == 2)
         pl_markup_put(page,
-                      "<p class=\"quiet\">All elements have the mean ratio of their corners as "
-                      "their measure, AR, and %s do, too: it does not compare with the "
-                      "radius ratio.</p>\n",
+                      "<p class=\"quiet\">The measure of every element, also of %s, is AR, the "
+                      "mean ratio of its corners. Do not compare AR with radius ratios.</p>\n",
                       figures->is_solid ? "tetrahedra" : "triangles");
     if (figures->has_types && alone.n_states > 0)
         pl_markup_put(page, "<h3>%s %s alone%s</h3>\n", has_mids ? "All" : "Straight",
@@ -421,7 +424,7 @@ static void put_bad_elements(pl_markup *page, const cJSON *state, int has_types)
                   has_types ? "<th scope=\"col\">aspect ratio</th>"
                             : "<th scope=\"col\">radius ratio</th><th scope=\"col\">smallest "
                               "angle</th><th scope=\"col\">largest</th>");
-    pl_markup_put(page, "<th scope=\"col\" class=\"word wide\">free node</th><th scope=\"col\" "
+    pl_markup_put(page, "<th scope=\"col\" class=\"word wide\">movable node</th><th scope=\"col\" "
                         "class=\"word wide\">middle</th><th scope=\"col\" "
                         "class=\"word wide\">nodes</th><th scope=\"col\" "
                         "class=\"word wide\">region</th></tr></thead><tbody>\n");

@@ -62,8 +62,8 @@ static const quality_row quality_rows[] = {
      EVERY,
      OF_VALID},
     /* Their elements stay as they are, whatever the others do. */
-    {"  floor (no node free)",
-     "  floor (no node free)",
+    {"  of fixed elements",
+     "  of fixed elements",
      AT(fixed_max_radius_ratio),
      {"", LESS_IS_BETTER, RELATIVE},
      WITH_FIXED,
@@ -74,8 +74,8 @@ static const quality_row quality_rows[] = {
      {" deg", MORE_IS_BETTER, ABSOLUTE},
      EVERY,
      OF_VALID},
-    {"  of elements with free nodes",
-     "  of elements with free nodes",
+    {"  of movable elements",
+     "  of movable elements",
      AT(min_angle_deg_movable),
      {" deg", MORE_IS_BETTER, ABSOLUTE},
      WITH_FIXED,
@@ -92,8 +92,8 @@ static const quality_row quality_rows[] = {
      {"", LESS_IS_BETTER, RELATIVE},
      EVERY,
      OF_VALID},
-    {"  of elements with free nodes",
-     "  of elements with free nodes",
+    {"  of movable elements",
+     "  of movable elements",
      AT(rms_radius_ratio_movable),
      {"", LESS_IS_BETTER, RELATIVE},
      WITH_FIXED,
@@ -240,12 +240,13 @@ static void row_target(FILE *stream, const pl_job *job) {
     char name[4 * PL_TEXT_WIDTH + 1];
     if (job->like.is_layer)
         fprintf(stream,
-                "AR is against the heights of the layers as they were, and regular elements\n");
+
+                "AR compares layers with their former heights, other elements with regular ones\n");
     else if (job->like.sizes.metric)
-        fprintf(stream, "AR is where lengths are measured by %s\n",
+        fprintf(stream, "AR measures lengths by %s\n",
                 pl_text_fit(pl_sizes_source(job->arguments), PL_TEXT_WIDTH / 2, name, sizeof name));
     else if (job->like.place && !job->like.sizes.size)
-        fprintf(stream, "AR is against each element as it is in %s\n",
+        fprintf(stream, "AR compares each element with its shape in %s\n",
                 pl_text_fit(job->arguments->like, PL_TEXT_WIDTH / 2, name, sizeof name));
 }
 
@@ -402,11 +403,11 @@ static void rows_aspect(FILE *stream, const pl_job *job, const pl_result *result
     row_real(stream, "worst aspect ratio (AR)", &was->max_aspect_ratio, is->max_aspect_ratio,
              &ratio);
     if (after->n_fixed_elements > 0)
-        row_real(stream, "  floor (no node free)", &before->fixed_max_radius_ratio,
+        row_real(stream, "  of fixed elements", &before->fixed_max_radius_ratio,
                  after->fixed_max_radius_ratio, &ratio);
     row_real(stream, "RMS aspect ratio", &was->rms_aspect_ratio, is->rms_aspect_ratio, &ratio);
     if (after->n_fixed_elements > 0 && !(job->options.size_weight > 0)) /* else it is F */
-        row_real(stream, "  of elements with free nodes", &before->rms_radius_ratio_movable,
+        row_real(stream, "  of movable elements", &before->rms_radius_ratio_movable,
                  after->rms_radius_ratio_movable, &ratio);
     row_real(stream, "mean aspect ratio", &was->mean_aspect_ratio, is->mean_aspect_ratio, &ratio);
     row_real(stream, "least scaled Jacobian (SJ)", &was->min_scaled_jacobian,
@@ -420,10 +421,10 @@ static void rows_aspect(FILE *stream, const pl_job *job, const pl_result *result
     if (cells->n == 0 || job->like.place || !pl_cell_is_simplex((planish_cell_type)cells->type[0]))
         return;
     pl_text_wrap(stream, pl_job_element_dim(job) == 3
-                             ? "AR is the mean ratio of corners, of tetrahedra, too: it does not "
-                               "compare with the radius ratio."
-                             : "AR is the mean ratio of corners, of triangles, too: it does not "
-                               "compare with the radius ratio.");
+                             ? "AR is the mean ratio of corners, also of tetrahedra: do not "
+                               "compare AR with radius ratios."
+                             : "AR is the mean ratio of corners, also of triangles: do not compare "
+                               "AR with radius ratios.");
 }
 
 /** Elements below their minimum volume, where there is one. */
@@ -464,7 +465,7 @@ static void put_objective(FILE *stream, const pl_job *job, const pl_result *resu
 
 static const char *const stop_texts[] = {
     [PLANISH_STOP_CONVERGED] = "converged",
-    [PLANISH_STOP_MAX_SWEEPS] = "stopped by the largest number of sweeps",
+    [PLANISH_STOP_MAX_SWEEPS] = "stopped at the maximum number of sweeps",
     [PLANISH_STOP_TIME_LIMIT] = "stopped by the time limit",
     [PLANISH_STOP_INTERRUPTED] = "interrupted",
     [PLANISH_STOP_INFEASIBLE] = "converged, except for volumes that cannot be reached,"};
@@ -496,7 +497,7 @@ static void put_worst(FILE *stream, const pl_job *job, const planish_result *smo
     const double rise = smooth->objective / smooth->objective_of_worst - 1;
     const char *name = job->options.area_weight > 0 ? "F" : "the RMS";
     const int n = snprintf(text, sizeof text,
-                           "and %d for the worst element with a free node: %s %.4g -> %.4g%s, ",
+                           "and %d for the worst element with a movable node: %s %.4g -> %.4g%s, ",
                            smooth->worst_sweeps, names[job->options.worst], smooth->worst_before,
                            smooth->worst_after, of_angle ? " deg" : "");
     if (fabs(rise) < MOST_TOLD)
@@ -517,7 +518,7 @@ static void put_distance(FILE *stream, const char *start, const char *middle,
                  "%s at most %.3g (%.3g h)%s at most %.3g (%.3g h) off (certified)", start,
                  d->distance, d->in_edges, middle, d->distance_back, d->back_in_edges);
     else
-        snprintf(text, sizeof text, "%s nobody knows how far: no bound is proved", start);
+        snprintf(text, sizeof text, "%s an unknown distance: no bound is proved", start);
     pl_text_wrap(stream, text);
 }
 
@@ -544,7 +545,7 @@ static void put_volume_changes(FILE *stream, const pl_job *job, const pl_surface
         if (at < MOST_REGIONS)
             worst[at] = i;
     }
-    size_t used = (size_t)snprintf(text, sizeof text, "volume changed by %+.2g of itself",
+    size_t used = (size_t)snprintf(text, sizeof text, "volume changed by the fraction %+.2g",
                                    after / before - 1);
     for (int64_t k = 0; n > 1 && k < n && used < sizeof text; k++) {
         const pl_region_volume *of = &state->region[worst[k]];
@@ -580,8 +581,7 @@ static void put_surface(FILE *stream, const pl_job *job, const pl_result *result
     if (!job->is_surface)
         put_volume_changes(stream, job, &result->surface);
     if (job->plan_info.n_fixed_elements > 0)
-        fprintf(stream, "%" PRId64 " %s still no node that moves\n",
-                job->plan_info.n_fixed_elements,
+        fprintf(stream, "%" PRId64 " %s still no movable node\n", job->plan_info.n_fixed_elements,
                 word_for(job->plan_info.n_fixed_elements, "element has", "elements have"));
 }
 
@@ -593,12 +593,13 @@ static void put_onto(FILE *stream, const pl_job *job) {
     if (!job->onto.fit)
         return;
     snprintf(text, sizeof text,
-             "fitted to %s before smoothing: of %" PRId64 " %s %" PRId64 " lay off it, by at most "
-             "%.3g; %" PRId64 " %s on it now, %" PRId64 " not yet",
+             "fitted to %s before smoothing: of %" PRId64 " %s %" PRId64
+             " lay off that surface, by at most %.3g; now %" PRId64 " %s on it, %" PRId64
+             " not yet",
              job->arguments->onto, n, word_for(n, "node", "nodes"), before->n_off, before->farthest,
              n - after->n_off, word_for(n - after->n_off, "is", "are"), after->n_off);
     pl_text_wrap(stream, text);
-    put_distance(stream, "surface off that one by", ", that one is", &job->onto.distance);
+    put_distance(stream, "the surface is off that one by", ", that one is", &job->onto.distance);
 }
 
 /** Put what happened to single nodes. */
@@ -608,11 +609,11 @@ static void put_notes(FILE *stream, const pl_job *job, const planish_result *smo
         pl_note(stream, "%" PRId64 " %s outside the bounds and stayed there", n_outside,
                 word_for(n_outside, "node was", "nodes were"));
     if (smooth->n_released_mids > 0)
-        pl_note(stream, "%" PRId64 " mid-side %s by %s", smooth->n_released_mids,
+        pl_note(stream, "%" PRId64 " mid-side %s on %s own", smooth->n_released_mids,
                 word_for(smooth->n_released_mids, "node has moved", "nodes have moved"),
-                word_for(smooth->n_released_mids, "itself", "themselves"));
+                word_for(smooth->n_released_mids, "its", "their"));
     if (smooth->n_refused > 0 && job->mesh.cells)
-        pl_note(stream, "%" PRId64 " %s refused, which would have inverted an element",
+        pl_note(stream, "%" PRId64 " %s refused, because elements would have been inverted",
                 smooth->n_refused, word_for(smooth->n_refused, "move was", "moves were"));
     if (n_back > 0)
         pl_note(stream, "%" PRId64 " %s put back: the %s", n_back,
@@ -655,8 +656,8 @@ void pl_table_compare(FILE *stream, const pl_job *job, const pl_result *result) 
     const int64_t n = result->smooth.n_moved_nodes;
     char text[128];
     put_both(stream, job, result);
-    snprintf(text, sizeof text, "%" PRId64 " of %" PRId64 " nodes %s elsewhere, by up to %.3g", n,
-             job->mesh.n_nodes, n == 1 ? "is" : "are", result->smooth.max_displacement);
+    snprintf(text, sizeof text, "%" PRId64 " of %" PRId64 " nodes %s, by up to %.3g", n,
+             job->mesh.n_nodes, n == 1 ? "differs" : "differ", result->smooth.max_displacement);
     pl_text_wrap(stream, text);
 }
 
@@ -817,7 +818,7 @@ void pl_table_quality(FILE *stream, const pl_job *job, const pl_measured *measur
     if (job->is_surface && !cells->has_others)
         pl_surface_print(stream, job);
     if (measured->surface.is_known)
-        put_distance(stream, "surface off the original one by", ", the original one is",
+        put_distance(stream, "the surface is off the original one by", ", the original one is",
                      &measured->surface.after);
     put_spreads(stream, solid, q);
     pl_histogram_print(stream, "radius ratio", NULL, q);
@@ -839,7 +840,7 @@ static void note_regions(FILE *stream, const pl_job *job) {
         return;
     pl_note(stream,
             "planish takes the values of %s %s for regions and holds the nodes between them; "
-            "choose with --regions NAME, or let them move with --regions none",
+            "choose an array by --regions NAME, or let these nodes move by --regions none",
             n == 1 ? "array" : "arrays", list);
 }
 
@@ -853,7 +854,7 @@ void pl_table_oddities(FILE *stream, const pl_job *job) {
                                              : word_for(facets, "edge belongs", "edges belong"),
                 word_for(facets, "its", "their"));
     if (copies > 0)
-        pl_note(stream, "%" PRId64 " %s the nodes of another one; %s held", copies,
+        pl_note(stream, "%" PRId64 " %s the nodes of another element; %s held", copies,
                 word_for(copies, "element has", "elements have"),
                 word_for(copies, "it is", "they are"));
     if (info->n_wrapped > 0)
@@ -863,8 +864,9 @@ void pl_table_oddities(FILE *stream, const pl_job *job) {
                 info->n_wrapped, word_for(info->n_wrapped, "element wraps", "elements wrap"),
                 word_for(info->n_wrapped, "its", "their"));
     if (others > 0)
-        pl_note(stream, "%" PRId64 " %s through; %s nodes are held", others,
-                word_for(others, "element of another type passes", "elements of other types pass"),
+        pl_note(stream, "%" PRId64 " %s; %s nodes are held", others,
+                word_for(others, "element of a type that planish does not smooth is copied",
+                         "elements of types that planish does not smooth are copied"),
                 word_for(others, "its", "their"));
     if (job->is_surface)
         pl_surface_note(stream, job);
@@ -876,8 +878,8 @@ void pl_table_oddities(FILE *stream, const pl_job *job) {
         const int is_named =
             job->arguments->n_inputs == 1 || strcmp(open, job->arguments->input) != 0;
         pl_note(stream,
-                "the last line%s%s has no end; if the file was cut there, its last number may be "
-                "wrong",
+                "the last line%s%s has no line end; if the file was cut there, the last number may "
+                "be wrong",
                 is_named ? " of " : "", is_named ? open : "");
     }
 }
@@ -886,10 +888,9 @@ void pl_table_reversed(FILE *stream, const planish_quality *quality) {
     const int64_t n = quality->n_reversed;
     if (n > 0 && n > quality->n_inverted)
         pl_note(stream,
-                "%" PRId64
-                " %s numbered the other way round than most; planish does not renumber them, "
-                "and a solver may take them for inverted",
-                n, word_for(n, "element is", "elements are"));
+                "%" PRId64 " %s their nodes in the opposite order to most; planish does not "
+                           "renumber elements, and a solver may take these for inverted",
+                n, word_for(n, "element lists", "elements list"));
 }
 
 /* ---- the worst elements --------------------------------------------------------------------- */

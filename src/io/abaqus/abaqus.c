@@ -114,7 +114,7 @@ static int read_nodes(abaqus_reader *r) {
     }
     if (n == 0)
         return io_fail_at(model, io_input_end(model), r->error,
-                          "there is no *NODE with nodes: this is no mesh, or it is cut short");
+                          "there is no *NODE with nodes: this is not a mesh, or it is cut short");
     status = io_nodes_begin(model, n, FIELD_WIDTH, r->error);
     for (int64_t i = 0; i < r->n_blocks && !status; i++)
         if (r->block[i].keyword == ABAQUS_NODE && r->block[i].scope == r->scope)

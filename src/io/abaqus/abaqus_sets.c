@@ -141,7 +141,7 @@ static int ask_for(abaqus_reader *r, const char *at, int64_t n) {
         return PLANISH_OK;
     return io_fail_at(r->model, at, r->error,
                       "the sets have more than %lld members, too many for a file of this size: "
-                      "sets or sequences stand in others over and over",
+                      "sets or sequences contain one another over and over",
                       (long long)most);
 }
 

@@ -24,11 +24,10 @@ static int find_only(cgns_reader *r, const io_hdf5_path *path, const char *label
     io_hdf5_names names;
     int status = cgns_children(r, path, label, &names);
     if (!status && names.n == 0)
-        return io_hdf5_fail(
-            r->file, path->text,
-            "there is no %s (no node with the label %s; files that meshio writes have no "
-            "labels and are no CGNS files)",
-            what, label);
+        return io_hdf5_fail(r->file, path->text,
+                            "there is no %s (no node with the label %s; files that meshio writes "
+                            "have no labels and are not CGNS files)",
+                            what, label);
     if (!status)
         status = io_hdf5_check_only(r->file, path->text, what, &names);
     if (!status)

@@ -294,9 +294,9 @@ static int add_section(cgns_reader *r, const char *name) {
         s->start = io_hdf5_integer(&range, 0);
         s->end = io_hdf5_integer(&range, 1);
         if (s->start < 1 || s->end < s->start - 1 || s->end == INT64_MAX)
-            status =
-                io_hdf5_fail(r->file, path.text, "ElementRange: elements %lld to %lld are no range",
-                             (long long)s->start, (long long)s->end);
+            status = io_hdf5_fail(r->file, path.text,
+                                  "ElementRange: elements %lld to %lld are not a range",
+                                  (long long)s->start, (long long)s->end);
     }
     io_hdf5_integers_release(&data);
     io_hdf5_integers_release(&range);

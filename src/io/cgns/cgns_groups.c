@@ -143,7 +143,7 @@ static int take_list(groups *g, const char *path, int is_nodes, int is_range,
         first = io_hdf5_integer(list, 0);
         const int64_t last = io_hdf5_integer(list, 1);
         if (first < 1 || last < first - 1 || last == INT64_MAX)
-            return io_hdf5_fail(g->r->file, path, "%lld to %lld is no range", (long long)first,
+            return io_hdf5_fail(g->r->file, path, "%lld to %lld is not a range", (long long)first,
                                 (long long)last);
         n = last - first + 1;
     }

@@ -42,8 +42,8 @@ static int read_stream(int fd, const pl_file_status *about, io_bytes *bytes, pla
         size += got;
         if (size > largest)
             status = pl_fail(error, PLANISH_ERROR_FILE,
-                             "%s: there are more than %lld MB, and no end: give a mesh file, which "
-                             "is not read into memory",
+                             "%s: gives more than %lld MB, and no end: save it as a regular file, "
+                             "which planish does not read into memory",
                              bytes->path, (long long)(largest >> 20));
     }
     if (status) {
@@ -155,7 +155,7 @@ int io_bytes_open_beside(const char *path, int64_t largest_copy, io_bytes *bytes
     *bytes = (io_bytes){.fd = -1};
     if (pl_file_find(path, &about) == 0 && about.kind != PL_FILE_REGULAR)
         return pl_fail(error, PLANISH_ERROR_FILE,
-                       "%s: is %s: a file is expected there, which belongs to the mesh", path,
+                       "%s: is %s, but the mesh needs a regular file there", path,
                        about.kind == PL_FILE_FOLDER ? "a folder" : "a pipe or device");
     return io_bytes_open(path, largest_copy, bytes, error);
 }

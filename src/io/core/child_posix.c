@@ -157,7 +157,7 @@ int io_child_run(io_child_fn *function, void *data, const io_bytes *input, plani
     if (n < sizeof a)
         return pl_fail(error, PLANISH_ERROR_FORMAT,
                        signal_number == SIGXCPU
-                           ? "%s: the HDF5 library did not come to an end on it (signal %d, in a "
+                           ? "%s: the HDF5 library did not finish reading it (signal %d, in a "
                              "process of its own); the file is damaged"
                            : "%s: the HDF5 library crashed on it (signal %d, in a process of its "
                              "own); the file is damaged, or memory was short",

@@ -51,7 +51,7 @@ static int unpack(z_stream *z, const io_bytes *packed, io_bytes *bytes, planish_
         }
         if (bytes->size > most)
             return pl_fail(error, PLANISH_ERROR_FILE,
-                           "%s: there are more than %lld MB in it; unpack it first", packed->path,
+                           "%s: holds more than %lld MB; unpack it first", packed->path,
                            (long long)(most >> 20));
         const int64_t room = capacity - bytes->size, left = end - at;
         z->next_in = (Bytef *)(uintptr_t)at;

@@ -587,11 +587,10 @@ int io_check_room(const io_model *model, io_cursor rest, int64_t n, int64_t size
     const int64_t left = rest.end - rest.at;
     if (n >= 0 && n <= (left + !model->is_binary) / size)
         return PLANISH_OK;
-    return io_fail_at(
-        model, rest.at, error,
-        "%lld %s cannot be in the %lld bytes that are left; the count is wrong or the "
-        "file is cut short",
-        (long long)n, what, (long long)left);
+    return io_fail_at(model, rest.at, error,
+                      "%lld %s cannot be in the %lld bytes that are left; the count is wrong or "
+                      "the file is cut short",
+                      (long long)n, what, (long long)left);
 }
 
 int io_check_count(const io_model *model, io_cursor rest, int64_t n, int64_t size, const char *what,

@@ -319,7 +319,7 @@ int io_nodes_coordinate(io_model *model, int d, io_slice field, planish_error *e
         (!io_slice_real(field, model->implied_exponent, value) && isfinite(*value)))
         return PLANISH_OK;
     return io_fail_at(model, field.begin, error,
-                      "node %lld: '%.*s' is no coordinate (a finite real number)",
+                      "node %lld: '%.*s' is not a coordinate (a finite real number)",
                       (long long)model->node_number[node], IO_QUOTED(field));
 }
 

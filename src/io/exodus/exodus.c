@@ -31,18 +31,16 @@ static int find_nodes(exodus_reader *r, int64_t *n, int *columns, int *is_one) {
         *n = d == 0 ? shape.n : *n;
     }
     if (!status && *columns == 0 && !*is_one)
-        return netcdf_fail(
-            r->file, "coord",
-            "there are no coordinates (coord, or coordx and so on): this netCDF file "
-            "is no Exodus file, or has no nodes");
+        return netcdf_fail(r->file, "coord",
+                           "there are no coordinates (coord, or coordx and so on): this netCDF "
+                           "file is not an Exodus file, or has no nodes");
     int64_t dim = 0;
     if (!status)
         status = netcdf_dimension(r->file, "num_dim", &dim);
     if (!status && dim > 0 && dim != *columns)
-        return netcdf_fail(
-            r->file, *is_one ? "coord" : axes[0],
-            "there are %d coordinates of each node, and the file says %lld (num_dim)", *columns,
-            (long long)dim);
+        return netcdf_fail(r->file, *is_one ? "coord" : axes[0],
+                           "each node has %d coordinates, but the file says %lld (num_dim)",
+                           *columns, (long long)dim);
     if (!status && *columns != 2 && *columns != 3)
         return netcdf_fail(r->file, *is_one ? "coord" : axes[0],
                            "%d coordinates of each node; planish smooths in 2 and 3 dimensions",

@@ -58,7 +58,7 @@ static int fail_target(const char *path, const char *name, planish_error *error)
     for (int i = 0; (target = planish_file_target(i)) && used < sizeof list; i++)
         used += (size_t)snprintf(list + used, sizeof list - used, "%s%s", i ? ", " : "", target);
     return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                   name ? "%s: '%s' is no format that meshes are converted to; these are %s"
+                   name ? "%s: planish cannot convert to the format '%s'; it converts to %s"
                         : "%s: the extension %sis of no format that meshes are converted to; these "
                           "are %s",
                    path, name ? name : "", list);

@@ -57,11 +57,10 @@ static int find(const planish_file *file, const char *name, const io_data **data
     const io_model *model = &file->model;
     if (!file->format->read_data)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "%s: arrays of numbers are read from files of VTK (.vtk, .vtu), Gmsh, "
-                       "Exodus and XDMF alone, not from those of %s%s",
+                       "%s: planish reads arrays of numbers only from files of VTK (.vtk, .vtu), "
+                       "Gmsh, Exodus and XDMF, not from %s%s",
                        model->input.path, file->format->name,
-                       file->format == &io_format_medit ? "; sizes of Medit stand in NAME.sol"
-                                                        : "");
+                       file->format == &io_format_medit ? "; Medit keeps sizes in NAME.sol" : "");
     *data = io_data_find(model, name, 0);
     if (!*data)
         *data = io_data_find(model, name, 1);

@@ -59,8 +59,8 @@ static int choose_format(planish_file *file, const char *name, planish_error *er
                        names);
     if (io_is_hdf5(input->data, input->size))
         return pl_fail(error, PLANISH_ERROR_FORMAT,
-                       "%s: is an HDF5 file, but neither CGNS nor MED nor VTKHDF nor PETSc's "
-                       "DMPlex nor Exodus, which alone are read of these",
+                       "%s: is an HDF5 file of an unknown format; planish reads CGNS, MED, VTKHDF, "
+                       "DMPlex (PETSc) and Exodus",
                        path);
     return pl_fail(error, PLANISH_ERROR_FORMAT,
                    "%s: neither content nor extension is of a known mesh format; there are %s "

@@ -386,10 +386,9 @@ int io_model_finish(io_model *model, const io_format *format, planish_error *err
     if (dim == 2 && io_model_n_elements(model) > 0)
         return finish_plane(model, format, error);
     if (dim == 2)
-        return pl_fail(
-            error, PLANISH_ERROR_FORMAT,
-            "%s: no element of two or three dimensions in it: there is nothing to smooth",
-            io_model_opened(model)->path);
+        return pl_fail(error, PLANISH_ERROR_FORMAT,
+                       "%s: has no element of two or three dimensions: there is nothing to smooth",
+                       io_model_opened(model)->path);
     if (model->columns < 3)
         return pl_fail(error, PLANISH_ERROR_FORMAT,
                        "%s: solid elements in two dimensions; a third coordinate is missing",

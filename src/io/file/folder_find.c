@@ -167,14 +167,13 @@ static int fail_several(const finder *f, planish_error *error) {
 static int fail_none(const finder *f, planish_error *error) {
     if (f->partial)
         return pl_fail(error, PLANISH_ERROR_FILE,
-                       "%s%s: is no whole mesh of the format %s: there is no file %s in it",
-                       f->path, f->partial_inner, f->partial->name, f->missing);
-    return pl_fail(
-        error, PLANISH_ERROR_FILE,
-        "%s: is a folder, but no mesh: give a mesh file, or a folder with a mesh of Elmer "
-        "(mesh.header, mesh.nodes, mesh.elements, mesh.boundary) or OpenFOAM "
-        "(constant/polyMesh, or points, faces, owner, neighbour, boundary)",
-        f->path);
+                       "%s%s: is not a complete mesh of the format %s: it has no file %s", f->path,
+                       f->partial_inner, f->partial->name, f->missing);
+    return pl_fail(error, PLANISH_ERROR_FILE,
+                   "%s: is a folder without a mesh: give a mesh file, or a folder with a mesh of "
+                   "Elmer (mesh.header, mesh.nodes, mesh.elements, mesh.boundary) or OpenFOAM "
+                   "(constant/polyMesh, or points, faces, owner, neighbour, boundary)",
+                   f->path);
 }
 
 /** Find the mesh. *format and *inner (owned) are set on success. */

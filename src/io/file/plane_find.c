@@ -319,8 +319,8 @@ int io_plane_find(io_model *model, const io_format *format, int *is_found, plani
         return status;
     if (is_flat)
         return pl_fail(error, PLANISH_ERROR_FORMAT,
-                       "%s: %s in space whose nodes lie along a line, as far as can be told "
-                       "(they are up to %.3g off it): no plane can be found for them",
+                       "%s: %s in space whose nodes all lie near one line (up to %.3g off it): "
+                       "planish cannot find their plane",
                        model->input.path, what, plane->off);
     *is_found = 0;
     return PLANISH_OK;

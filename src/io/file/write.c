@@ -67,13 +67,12 @@ static int check_strangers(const planish_file *file, const char *path, const io_
         if (!place)
             status = pl_fail_memory(error, path);
         else if (pl_file_exists(place) && is_companion(file, place) != is_written)
-            status = pl_fail(
-                error, PLANISH_ERROR_FILE,
-                is_written ? "%s: is no such file of this mesh and would be overwritten; remove "
-                             "it, or choose another name"
-                           : "%s: is of another mesh and would be read along with the one to be "
-                             "written; remove it, or choose another name",
-                place);
+            status = pl_fail(error, PLANISH_ERROR_FILE,
+                             is_written ? "%s: is not a file of this mesh, but would be "
+                                          "overwritten; remove it, or choose another name"
+                                        : "%s: belongs to another mesh, but would be read together "
+                                          "with the new mesh; remove it, or choose another name",
+                             place);
         pl_free(place);
     }
     return status;

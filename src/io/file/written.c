@@ -141,7 +141,7 @@ static int check_target(const planish_file *file, const char *out, const char *t
     return !pl_file_exists(target) || has_name(out, name)
                ? PLANISH_OK
                : pl_fail(error, PLANISH_ERROR_FILE,
-                         "%s: exists, and would be overwritten, but is no file of %s; remove it, "
+                         "%s: exists and would be overwritten, but is not a file of %s; remove it, "
                          "or choose another name or folder",
                          target, out);
 }
@@ -178,13 +178,13 @@ static int make_name(const io_model *model, const char *out, char **name, planis
     *name = NULL;
     if (stem == 0 || strncmp(last, opened, stem) != 0)
         return pl_fail(error, PLANISH_ERROR_FILE,
-                       "%s: the coordinates are in %s, whose name does not begin as that of %s "
-                       "does; give an OUT in another folder, or %s itself",
+                       "%s: the coordinates are in %s, and this name does not begin like %s; give "
+                       "an OUT in another folder, or %s itself",
                        out, old, opened, opened);
     if (!is_plain_name(out_name, out_stem))
         return pl_fail(error, PLANISH_ERROR_FILE,
-                       "%s: this name cannot stand in the XML of the result; choose one in UTF-8 "
-                       "without & < > | and leading blanks",
+                       "%s: this name cannot stand in the XML of the result; choose a name in "
+                       "UTF-8 without & < > | and without leading blanks",
                        out);
     *name = pl_alloc((int64_t)size, 1);
     if (!*name)

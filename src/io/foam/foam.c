@@ -23,7 +23,7 @@
 static int foam_read(io_model *model, planish_error *error) {
     if (!model->folder)
         return pl_fail(error, PLANISH_ERROR_FORMAT,
-                       "%s: is a file of OpenFOAM's; give the folder of the case, or its folder "
+                       "%s: is a file of OpenFOAM; give the folder of the case, or its folder "
                        "constant/polyMesh",
                        model->input.path);
     foam_mesh mesh = {.model = model, .dim = 3};

@@ -163,7 +163,7 @@ int foam_read_header(foam_file *f, planish_error *error) {
     io_slice word = foam_word(&f->cursor);
     if (!io_slice_is(word, "FoamFile", 0))
         return io_fail_at(view, word.begin, error,
-                          "no FoamFile at its beginning: this is no file of OpenFOAM's");
+                          "no FoamFile at its beginning: this is not a file of OpenFOAM");
     int status = foam_expect(f, "{", error);
     while (!status) {
         word = foam_word(&f->cursor);

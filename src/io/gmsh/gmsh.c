@@ -136,7 +136,7 @@ static int pass_over(gmsh_reader *reader, io_slice name, const char *end_mark) {
 static int fail_foreign(gmsh_reader *reader, const char *at) {
     return io_fail_at(
         reader->model, at, reader->error,
-        "no $MeshFormat: this is no mesh of Gmsh's (others call their files .msh, too)");
+        "no $MeshFormat: this is not a mesh of Gmsh (other programs also write .msh files)");
 }
 
 /** Read the section of that name: the header, which must come first but in MSH 1, or another. What

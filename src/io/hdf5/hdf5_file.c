@@ -62,8 +62,8 @@ int io_hdf5_open(io_model *model, io_hdf5 **out, planish_error *error) {
     model->is_binary = 1;
     if (!io_is_hdf5(model->input.data, model->input.size))
         return pl_fail(error, PLANISH_ERROR_FORMAT,
-                       "%s: this is no HDF5 file (its mark is not there), and the format is one "
-                       "in HDF5",
+                       "%s: this is not an HDF5 file (it does not begin with the mark of HDF5), "
+                       "but the format needs one",
                        model->input.path);
     io_hdf5 *file = pl_alloc_zero(1, sizeof *file);
     if (!file)
@@ -236,7 +236,7 @@ int io_hdf5_attribute(io_hdf5 *file, const char *path, const char *name, int64_t
     if (found)
         *found = is_read;
     if (attribute >= 0 && !is_read)
-        return io_hdf5_fail(file, path, "its attribute %s is no whole number", name);
+        return io_hdf5_fail(file, path, "its attribute %s is not a whole number", name);
     return PLANISH_OK;
 }
 
@@ -262,7 +262,7 @@ int io_hdf5_text_attribute(io_hdf5 *file, const char *path, const char *name, ch
     if (found)
         *found = is_read;
     if (attribute >= 0 && !is_read)
-        return io_hdf5_fail(file, path, "its attribute %s is no text", name);
+        return io_hdf5_fail(file, path, "its attribute %s is not text", name);
     return PLANISH_OK;
 }
 

@@ -134,7 +134,8 @@ static int read_coordinates(med_reader *r, const char *group) {
     if (!status)
         status = io_hdf5_shape_of(r->file, path.text, &shape);
     if (!status && shape.n % dim)
-        status = io_hdf5_fail(r->file, path.text, "%lld coordinates are no nodes of %lld",
+        status = io_hdf5_fail(r->file, path.text,
+                              "%lld coordinates do not make nodes of %lld coordinates",
                               (long long)shape.n, (long long)dim);
     const int64_t n = shape.n / (dim > 0 ? dim : 1);
     if (!status)
@@ -312,7 +313,7 @@ static int count_elements(med_reader *r, element_block *b) {
     const int nodes = b->type->nodes;
     b->n = b->nodes.n / nodes;
     if (b->nodes.n % nodes)
-        return io_hdf5_fail(r->file, b->path.text, "%lld numbers are no elements of %d nodes",
+        return io_hdf5_fail(r->file, b->path.text, "%lld numbers do not make elements of %d nodes",
                             (long long)b->nodes.n, nodes);
     return demand(r, b->path.text, "NBR", b->n, "its attribute NBR is another number of elements");
 }
@@ -330,8 +331,8 @@ static int read_block(med_reader *r, const char *name) {
     b.path = io_hdf5_path_of(r->file, "%s/NOD", b.group.text);
     if (io_hdf5_kind_of(r->file, b.path.text) != IO_HDF5_DATASET)
         return io_hdf5_fail(r->file, b.path.text,
-                            "there are no nodes of these elements (descending connectivity is "
-                            "not read, only nodal)");
+                            "these elements list no nodes (planish reads nodal connectivity, not "
+                            "descending connectivity)");
     int status = io_hdf5_integers_read(r->file, b.path.text, &b.nodes);
     if (!status && (is_kept || type)) {
         status = count_elements(r, &b);

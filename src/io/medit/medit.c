@@ -162,7 +162,7 @@ static int walk_text(medit_reader *r) {
     }
     if (!r->version)
         return io_fail_at(model, cursor.end, r->error,
-                          "no MeshVersionFormatted: this is no Medit mesh");
+                          "no MeshVersionFormatted: this is not a Medit mesh");
     return check_counts(r, cursor.end);
 }
 

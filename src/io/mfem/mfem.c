@@ -59,7 +59,7 @@ static int read_first_line(mfem_reader *r) {
     const size_t kind = find_kind(line);
     if (kind == N_KINDS)
         return io_fail_at(r->model, line.begin, r->error,
-                          "no 'MFEM mesh v1.0' in the first line: this is no mesh of MFEM's");
+                          "no 'MFEM mesh v1.0' in the first line: this is not a mesh of MFEM");
     if (kinds[kind].remedy)
         return io_fail_at(r->model, line.begin, r->error, "'%.*s' %s", IO_QUOTED(line),
                           kinds[kind].remedy);

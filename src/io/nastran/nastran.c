@@ -294,7 +294,7 @@ static int count_card(reader *r, nastran_card *c) {
     if (is_named(c, "GRDSET"))
         while (c->n < NASTRAN_FIRST_COORDINATE && nastran_take_field(c, &field))
             if (c->n == NASTRAN_FIRST_COORDINATE && parse_number(field, &r->default_system))
-                return fail_card(r, c, "the coordinate system is no whole number");
+                return fail_card(r, c, "the coordinate system is not a whole number");
     return PLANISH_OK;
 }
 
@@ -310,7 +310,7 @@ static int read_grid(reader *r, nastran_card *c) {
     if (status)
         return status;
     if (nastran_take_field(c, &field) && parse_number(field, &system))
-        return fail_card(r, c, "the coordinate system is no whole number");
+        return fail_card(r, c, "the coordinate system is not a whole number");
     system = field.begin == field.end ? r->default_system : system;
     if (model->n_nodes == 0)
         r->system = system;
@@ -619,13 +619,13 @@ static int read_pieces(reader *r) {
         return status;
     if (r->n_grids == 0)
         return io_fail_at(model, r->bulk.end, r->error,
-                          "there is no GRID: this is no Nastran mesh, or it is cut short");
+                          "there is no GRID: this is not a Nastran mesh, or it is cut short");
     /* Programs end their files with ENDDATA, or the last line at least. Without either a card may
      * be incomplete that looks whole. */
     if (r->bulk.end == end && end[-1] != '\n' && end[-1] != '\r')
         return io_fail_at(model, end, r->error,
-                          "no ENDDATA, and the last line has no end: the file is cut short most "
-                          "likely (if it is whole, add ENDDATA or a line end)");
+                          "there is no ENDDATA, and the last line has no line end: the file is "
+                          "probably cut short (if it is complete, add ENDDATA or a line end)");
     status = read_grids(r);
     if (!status)
         status = walk(r, "CRMP", read_element);

@@ -40,11 +40,10 @@ int netcdf_open(io_model *model, netcdf **out, planish_error *error) {
                        input->path);
 #endif
     } else if (!is_classic(input->data, input->size)) {
-        return pl_fail(
-            error, PLANISH_ERROR_FORMAT,
-            "%s: this is no netCDF file (neither its mark nor that of HDF5 is there), and "
-            "the format is one in netCDF",
-            input->path);
+        return pl_fail(error, PLANISH_ERROR_FORMAT,
+                       "%s: this is not a netCDF file (it begins neither with the mark of netCDF "
+                       "nor with that of HDF5), but the format needs one",
+                       input->path);
     }
     netcdf *file = pl_alloc_zero(1, sizeof *file);
     if (!file)

@@ -77,7 +77,7 @@ static int take_type(header_walk *w, int *type) {
     const int status = take_number(w, 4, &number);
     if (!status && netcdf_type_size(number) == 0)
         return io_fail_at(w->model, at, w->error,
-                          "there is no type of values %lld (the file may be damaged)",
+                          "%lld is not a type of values (the file may be damaged)",
                           (long long)number);
     *type = (int)number;
     return status;

@@ -127,7 +127,7 @@ static int walk_file(netgen_reader *r) {
     io_slice word = io_next_word(&cursor);
     if (!io_slice_is(word, "mesh3d", 0))
         return io_fail_at(r->model, word.begin, r->error,
-                          "no mesh3d in the first line: this is no mesh of Netgen's");
+                          "no mesh3d in the first line: this is not a mesh of Netgen");
     for (int keyword = N_KEYWORDS;;) {
         io_skip_space_comments(&cursor, '#');
         word = io_next_word(&cursor);

@@ -271,7 +271,7 @@ static int read_index(const obj_reader *r, io_slice word, int64_t *node) {
         is_good = *at == '/' || *at == '-' || (*at >= '0' && *at <= '9');
     if (!is_good)
         return io_fail_at(model, word.begin, r->error,
-                          "'%.*s' is no vertex: numbers as in 1, 1/2, 1//3 or 1/2/3 expected",
+                          "'%.*s' is not a vertex: numbers as in 1, 1/2, 1//3 or 1/2/3 expected",
                           IO_QUOTED(word));
     *node = number > 0 ? number - 1 : number < 0 && number >= -r->n_seen ? r->n_seen + number : -1;
     if (*node < 0 || *node >= model->n_nodes)
@@ -357,10 +357,9 @@ static int read_line(obj_reader *r, io_cursor line) {
     case MATERIAL:
         return take_names(r, kind, &line);
     case REFUSED:
-        return io_fail_at(
-            r->model, begin, r->error,
-            "curves and surfaces by formulas, and calls of other files, are not read; "
-            "export the model as polygons");
+        return io_fail_at(r->model, begin, r->error,
+                          "planish does not read curves and surfaces by formulas, nor calls of "
+                          "other files; export the model as polygons");
     case NORMAL:
         r->model->has_normals = 1;
         return PLANISH_OK;

@@ -57,7 +57,7 @@ static int read_header(off_reader *r) {
     const io_slice word = io_next_word(&r->cursor);
     if (!parse_header(word, &r->extra, &r->model->has_normals))
         return io_fail_at(r->model, word.begin, r->error,
-                          "no OFF in the first line: this is no OFF file");
+                          "no OFF in the first line: this is not an OFF file");
     if (r->extra < 0)
         return io_fail_at(
             r->model, word.begin, r->error,

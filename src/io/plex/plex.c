@@ -47,8 +47,8 @@ static int find_mesh(plex_reader *r) {
         r->version = 3;
     else if (io_hdf5_kind_of(r->file, cells.text) == IO_HDF5_NONE)
         return io_hdf5_fail(r->file, cells.text,
-                            "there is no such thing: this is no mesh that DMView of PETSc wrote "
-                            "(in its own format, not for ParaView)");
+                            "this does not exist: the file is not a mesh that DMView of PETSc "
+                            "wrote in its own format (not for ParaView)");
     const char *at = r->version == 3 ? r->topology.text : cells.text;
     status = io_hdf5_attribute(r->file, at, "cell_dim", &dim, &found);
     if (!status && !found)

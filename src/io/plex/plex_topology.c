@@ -299,8 +299,7 @@ int plex_has_simplices_alone(const plex_reader *r) {
 
 int plex_fail_point(plex_reader *r, int64_t point) {
     return io_hdf5_fail(r->file, r->topology.text,
-                        "point %lld is bounded by points that are none of its kind",
-                        (long long)point);
+                        "point %lld is bounded by points of the wrong kind", (long long)point);
 }
 
 /* ---- elements that are no simplices ---------------------------------------------------------- */

@@ -113,7 +113,7 @@ static int take_element(ply_reader *r, io_cursor *words, io_slice line) {
                                               : OTHER;
     for (int64_t i = 0; i < h->n_elements; i++)
         if (e.kind != OTHER && h->element[i].kind == e.kind)
-            return fail_line(r, line, "such elements are there twice");
+            return fail_line(r, line, "these elements occur twice");
     if (io_slice_is(e.name, "tristrips", 0))
         return fail_line(r, line, "strips of triangles are not read; export the mesh as faces");
     return pl_append(&h->element, &h->n_elements, &h->element_capacity, &e, sizeof e)
@@ -160,7 +160,7 @@ static int take_property(ply_reader *r, io_cursor *words, io_slice line) {
     p.role = find_role(e->kind, name, is_list);
     for (int64_t i = 0; p.role != NO_ROLE && i < e->n; i++)
         if (h->property[e->first + i].role == p.role)
-            return fail_line(r, line, "such a property is there twice");
+            return fail_line(r, line, "this property occurs twice");
     if (p.role > Z && p.type->is_real)
         return fail_line(r, line, "numbers of vertices as an integer type expected");
     r->model->has_normals |= e->kind == VERTEX && io_slice_is(name, "nx", 0);
@@ -223,7 +223,7 @@ static int read_header(ply_reader *r) {
     int status = PLANISH_OK, is_first = 1;
     const io_slice mark = io_next_line(&r->cursor);
     if (!io_slice_is(io_slice_trim(mark), "ply", 0))
-        return fail_line(r, mark, "no 'ply' in the first line: this is no PLY file");
+        return fail_line(r, mark, "no 'ply' in the first line: this is not a PLY file");
     for (;;) {
         if (r->cursor.at == r->cursor.end)
             return io_fail_at(r->model, r->cursor.at, r->error,
@@ -296,10 +296,10 @@ static int skip_numbers(int is_binary, io_cursor *cursor, const ply_type *type, 
 
 static int fail_record(const ply_reader *r, const ply_element *e, int64_t i, const char *at,
                        planish_error *error) {
-    return io_fail_at(r->model, at, error,
-                      "%.*s %lld: its numbers are missing or no whole ones (the file may be cut "
-                      "short)",
-                      IO_QUOTED(e->name), (long long)i);
+    return io_fail_at(
+        r->model, at, error,
+        "%.*s %lld: its numbers are missing or not whole numbers (the file may be cut short)",
+        IO_QUOTED(e->name), (long long)i);
 }
 
 /** Take the length of a list of record i. */

@@ -100,7 +100,7 @@ static int begin_table(table *t, io_model *model, const io_bytes *file, const ch
     /* Every word takes two bytes at least, with what parts it from the next. */
     if (t->n > (io_left(cursor) + 1) / (2 * words))
         return io_fail_at(&t->view, counts, error,
-                          "%lld lines were promised, the file is too short for that",
+                          "the first line promises %lld lines, but the file is too short for them",
                           (long long)t->n);
     io_cursor peek = *cursor;
     io_skip_space_comments(&peek, '#');
@@ -118,7 +118,8 @@ static int check_attributes(const table *t, planish_error *error) {
     if (t->count[1] <= INT32_MAX)
         return PLANISH_OK;
     return io_fail_at(&t->view, t->view.input.data, error,
-                      "%lld attributes were promised, no line has so many", (long long)t->count[1]);
+                      "the first line promises %lld attributes, more than a line can have",
+                      (long long)t->count[1]);
 }
 
 /* ---- rows -------------------------------------------------------------------------------- */

@@ -138,7 +138,7 @@ static int find_runs(ucd_reader *r, io_sections *runs) {
                               (long long)i + 1, (long long)r->count[1]);
         if (type < 0)
             return io_fail_at(r->model, word.begin, r->error,
-                              "cell %lld of %lld: '%.*s' is no type of AVS UCD (pt, line, tri, "
+                              "cell %lld of %lld: '%.*s' is not a type of AVS UCD (pt, line, tri, "
                               "quad, tet, pyr, prism, hex)",
                               (long long)i + 1, (long long)r->count[1], IO_QUOTED(word));
         status = io_runs_add(runs, type, CELL_WORDS + ucd_types[type].nodes, row, r->cursor.at,
@@ -174,7 +174,7 @@ static int read_cells(void *context, io_cursor *cursor, int64_t begin, int64_t e
         }
         io_skip_space(&line);
         if (line.at < line.end)
-            return io_fail_at(r->model, line.at, error, "cell %lld: %s has no more than %d nodes",
+            return io_fail_at(r->model, line.at, error, "cell %lld: %s has at most %d nodes",
                               (long long)number, type->name, (int)type->nodes);
         io_run_set(&r->run, i, nodes, (int32_t)material, number);
     }

@@ -206,7 +206,7 @@ static int read_coordinates(const unv_reader *r, io_cursor line, int64_t i, plan
         for (d = 0; d < 3; d++)
             if (io_slice_real(found.number[d], 1, &xyz[d]))
                 return io_fail_at(model, found.number[d].begin, error,
-                                  "node %lld: '%.*s' is no coordinate",
+                                  "node %lld: '%.*s' is not a coordinate",
                                   (long long)model->node_number[i], IO_QUOTED(found.number[d]));
     }
     for (d = 0; d < 3; d++) {

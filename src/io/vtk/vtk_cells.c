@@ -147,7 +147,8 @@ static int take_type(cell_walk *walk, int32_t number) {
     walk->is_stream = walk->grid->has_streams && number == VTK_POLYHEDRON;
     if (!walk->type) {
         char text[80];
-        snprintf(text, sizeof text, "type %d is none of VTK's, which are 0 to 255", (int)number);
+        snprintf(text, sizeof text, "type %d is not a type of VTK; these are 0 to 255",
+                 (int)number);
         return fail_cell(walk, text);
     }
     walk->mids = walk->type->order == 2 ? mids_of(number, walk->n) : 0;
@@ -222,7 +223,7 @@ static int survey_cells(io_model *model, cell_walk walk, cell_tally tally[4]) {
             return fail_cell(&walk, text);
         }
         if (walk.fate == CELL_WRONG)
-            return fail_cell(&walk, "it has not as many nodes as its type");
+            return fail_cell(&walk, "its number of nodes does not fit its type");
         for (int64_t i = 0; i < walk.n && !walk.is_stream; i++)
             if (walk.nodes[i] < 0 || walk.nodes[i] >= walk.grid->n_points)
                 return fail_cell(&walk, "one of its nodes is not among the points");
@@ -241,8 +242,8 @@ static int survey_cells(io_model *model, cell_walk walk, cell_tally tally[4]) {
             continue;
         }
         if (walk.is_stream && vtk_faces_hold(model, walk.grid, walk.nodes, walk.n))
-            return fail_cell(&walk, "its faces are not what a polyhedron's list has: how many, and "
-                                    "of each how many nodes, and which");
+            return fail_cell(&walk, "its faces must be: the number of faces, then for each face "
+                                    "the number of nodes and its points");
         for (int64_t i = 0; i < walk.n && !walk.is_stream; i++)
             io_hold_node(model, walk.grid->first_point + walk.nodes[i],
                          io_element_reason(walk.type));

@@ -36,7 +36,7 @@ static int check_kind(vtkhdf_reader *r) {
     if (status)
         return status;
     if (io_hdf5_kind_of(r->file, GRID) != IO_HDF5_GROUP)
-        return io_hdf5_fail(r->file, GRID, "there is no such group: this is no VTKHDF file");
+        return io_hdf5_fail(r->file, GRID, "this group does not exist: this is not a VTKHDF file");
     if (strcmp(type, "UnstructuredGrid") != 0)
         return io_hdf5_fail(r->file, GRID,
                             "its Type is '%s'; planish smooths an UnstructuredGrid: write one, "

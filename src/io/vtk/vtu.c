@@ -184,8 +184,8 @@ static int hold_streams(io_model *model, vtu_document *document, int64_t piece,
     for (int64_t i = 0; i < grid->n && !status; i++) {
         if (ends[i] > last && vtk_faces_hold(model, grid, stream + last, ends[i] - last))
             status = vtu_fail(document, faces,
-                              "a polyhedron's are not: how many faces, and of each how many nodes, "
-                              "and which of the points");
+                              "the faces of a polyhedron must be: the number of faces, then for "
+                              "each face the number of nodes and its points");
         last = ends[i] > last ? ends[i] : last;
     }
     pl_free(stream);
@@ -211,7 +211,8 @@ static int hold_face_nodes(io_model *model, vtu_document *document, int64_t piec
         status = vtu_read_numbers(document, lists[k], n, &values, NULL, NULL);
         for (int64_t i = 0; i < n && !status; i++) {
             if (values[i] < 0 || (are_ends && values[i] < extent) || values[i] == INT64_MAX)
-                status = vtu_fail(document, lists[k], "they do not rise, or one is none");
+                status = vtu_fail(document, lists[k],
+                                  "they do not rise, or one is negative or too large");
             else if (are_ends || values[i] >= extent)
                 extent = values[i] + !are_ends;
         }
@@ -356,13 +357,13 @@ static int note_data(io_model *model, const vtu_document *document) {
         const vtu_array *array = &document->array[i];
         const int of_elements = array->role == VTU_CELL_DATA;
         if (array->piece >= 0 && array->name && !io_data_find(model, array->name, of_elements))
-            status = io_data_note(model,
-                                  (io_data){.name = array->name,
-                                            .of_elements = of_elements,
-                                            .width = array->n_components,
-                                            .is_integer = array->type &&
-                                                          array->type->kind <= VTK_UNSIGNED},
-                                  document->error);
+            status = io_data_note(
+                model,
+                (io_data){.name = array->name,
+                          .of_elements = of_elements,
+                          .width = array->n_components,
+                          .is_integer = array->type && array->type->kind <= VTK_UNSIGNED},
+                document->error);
     }
     return status;
 }

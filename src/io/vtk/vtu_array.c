@@ -48,15 +48,15 @@ int vtu_fail(const vtu_document *document, const vtu_array *array, const char *t
 }
 
 static int fail_cut(const vtu_document *document, const vtu_array *array) {
-    return vtu_fail(document, array,
-                    "the data end before the array does (the file may be cut short), or are no "
-                    "base64");
+    return vtu_fail(
+        document, array,
+        "the data end before the array does (the file may be cut short), or are not base64");
 }
 
 static int fail_size(const vtu_document *document, const vtu_array *array) {
     return vtu_fail(document, array,
-                    "the array has not as many values as NumberOfPoints, NumberOfCells and offsets "
-                    "promise");
+                    "the number of values in the array differs from NumberOfPoints, NumberOfCells "
+                    "or the offsets");
 }
 
 /* ---- bytes --------------------------------------------------------------------------------- */
@@ -119,8 +119,8 @@ static int check_expansion(const vtu_document *document, const vtu_array *array,
                     document->compression == IO_PLAIN
                         ? "the arrays would be larger than the file is (cut short, wrong counts, "
                           "or several arrays in the same bytes)"
-                        : "unpacked the arrays would be more than 256 times as large as the file, "
-                          "which no mesh is: refused");
+                        : "the unpacked arrays would be more than 256 times as large as the file: "
+                          "planish refuses it as damaged");
 }
 
 /** Refuse n numbers that the file cannot hold before room for them is made. */

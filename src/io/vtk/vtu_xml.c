@@ -180,7 +180,7 @@ static int on_begin(io_xml *xml, const char *name) {
     if (!w->in_file)
         status = io_xml_is(name, "VTKFile")
                      ? begin_file(w)
-                     : io_xml_fail(xml, "VTKFile expected: this is no VTK file");
+                     : io_xml_fail(xml, "VTKFile expected: this is not a VTK file");
     else if (io_xml_is(name, "UnstructuredGrid"))
         w->document->is_grid = 1;
     else if (io_xml_is(name, "Piece"))

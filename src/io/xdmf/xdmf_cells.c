@@ -87,7 +87,7 @@ static int take_whole(xdmf_reader *r, int64_t element, const char *name, int64_t
     if (!text)
         return PLANISH_OK;
     if (io_integer(&cursor, value) || *value < 0)
-        return xdmf_fail(&r->document, element, "%s is no whole number", name);
+        return xdmf_fail(&r->document, element, "%s is not a whole number", name);
     io_skip_space(&cursor);
     return cursor.at == end ? PLANISH_OK
                             : xdmf_fail(&r->document, element,
@@ -153,7 +153,7 @@ static int take_topology(xdmf_reader *r, const xdmf_piece *piece, xdmf_topology 
                          "its elements have %lld nodes, and not %lld, as NodesPerElement says",
                          (long long)t->nodes, (long long)per);
     if (t->n_values % t->nodes || (given >= 0 && given != t->n))
-        return xdmf_fail(d, e, "%lld numbers are no %lld elements of %lld nodes",
+        return xdmf_fail(d, e, "%lld numbers do not make %lld elements of %lld nodes",
                          (long long)t->n_values, (long long)(given >= 0 ? given : t->n),
                          (long long)t->nodes);
     return PLANISH_OK;

@@ -46,7 +46,7 @@ static int find_dimensions(xdmf_reader *r, xdmf_item *item) {
             break;
         if (io_parse_integer(&text, end, &dimension) || dimension < 0 ||
             (dimension > 0 && item->n > INT64_MAX / 16 / dimension))
-            return xdmf_fail(&r->document, item->element, "Dimensions are no whole numbers");
+            return xdmf_fail(&r->document, item->element, "Dimensions are not whole numbers");
         item->n *= dimension;
         item->width = rank > 0 ? dimension : 1;
     }
@@ -135,7 +135,7 @@ static int find_place(xdmf_reader *r, xdmf_item *item) {
     if (seek) {
         const char *end = seek + strlen(seek);
         if (io_parse_integer(&seek, end, &item->seek) || seek < end || item->seek < 0)
-            return xdmf_fail(d, item->element, "Seek is no number of bytes");
+            return xdmf_fail(d, item->element, "Seek is not a number of bytes");
     }
     return PLANISH_OK;
 }

@@ -47,7 +47,7 @@ static const char *local_name(const char *name) {
 static int begin_element(io_xml *xml, const char *name) {
     xdmf_document *d = xml->user;
     if (d->n == 0 && strcasecmp(name, "Xdmf") != 0)
-        return io_xml_fail(xml, "Xdmf expected: this is no XDMF file");
+        return io_xml_fail(xml, "Xdmf expected: this is not an XDMF file");
     xdmf_element e = {.parent = d->open,
                       .child = NO_ELEMENT,
                       .last = NO_ELEMENT,
@@ -403,7 +403,7 @@ int xdmf_resolve(xdmf_document *d, int64_t element, int64_t *found) {
         if (d->last_found.n == 0 || ++n > MOST_REFERENCES)
             return xdmf_fail(d, element,
                              n > MOST_REFERENCES ? "it refers to itself"
-                                                 : "it refers to what is not there");
+                                                 : "it refers to something that does not exist");
         element = d->last_found.element[0];
     }
     return PLANISH_OK;
@@ -423,7 +423,7 @@ static int add_named(xdmf_document *d, int64_t element, const char *name, xdmf_l
                          "content into this file");
     int status = follow(d, element, (io_slice){path, path + strlen(path)});
     if (!status && d->last_found.n == 0)
-        return xdmf_fail(d, element, "it includes what is not there");
+        return xdmf_fail(d, element, "it includes something that does not exist");
     /* A path such as /Xdmf/Domain/Grid/Geometry means the first one. */
     for (int64_t i = 0; i < d->last_found.n && !status; i++)
         if (xdmf_is(d, d->last_found.element[i], name))

@@ -70,8 +70,8 @@ static int count_points(xdmf_reader *r, xdmf_geometry *g) {
             return status;
         if (n % width || (k > 0 && n != g->n_nodes))
             return xdmf_fail(&r->document, g->item[k].element,
-                             "%lld numbers are no points of %d coordinates, or not as many as "
-                             "others",
+                             "%lld numbers do not make points of %d coordinates, or not as many "
+                             "points as elsewhere",
                              (long long)n, g->columns);
         g->n_nodes = n / width;
     }
