@@ -60,9 +60,6 @@ static int check_neighbourhood(const planish_options *options, planish_error *er
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "options.n_around is %" PRId64 ", but options.around is NULL; give the nodes",
                        options->n_around);
-    if (options->rings > 0 && !options->around && options->only_worse_than == 0)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "options.rings has no effect without options.around or only_worse_than");
     return PLANISH_OK;
 }
 

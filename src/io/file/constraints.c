@@ -122,10 +122,11 @@ static int fail_tag(const io_model *model, const char *text, int dim, planish_er
     const char *path = io_model_opened(model)->path, *nearest = NULL;
     const int found = dim_of_group(model, text);
     char list[256];
+    list_tags(model, dim, list, sizeof list);
     if (found >= 0)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "%s: '%s' is a group %s, but one %s is needed", path, text, kind[found],
-                       kind[dim]);
+                       "%s: '%s' is a group %s, but one %s is needed; the file has: %s", path, text,
+                       kind[found], kind[dim], list);
     for (int64_t i = 0; i < model->strange_groups.n; i++)
         if (strcasecmp(model->strange_groups.name[i], text) == 0)
             return pl_fail(error, PLANISH_ERROR_ARGUMENT,
@@ -139,7 +140,6 @@ static int fail_tag(const io_model *model, const char *text, int dim, planish_er
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "%s: there is no group '%s' %s; did you mean '%s'?", path, text,
                        dim < 0 ? "to hold" : kind[dim], nearest);
-    list_tags(model, dim, list, sizeof list);
     return pl_fail(error, PLANISH_ERROR_ARGUMENT, "%s: there is no group '%s' %s; the file has: %s",
                    path, text, dim < 0 ? "to hold" : kind[dim], list);
 }
