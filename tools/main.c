@@ -19,7 +19,8 @@ static const char *with(planish_feature feature) {
 }
 
 static int print_version(void) {
-    printf("planish %s\nSmooths meshes of solids, of plane elements and of surfaces.\nBSD 3-clause licence; there "
+    printf("planish %s\nSmooths meshes of solids, of plane elements and of surfaces.\nBSD 3-clause "
+           "licence; there "
            "is no warranty.\nBuilt %s OpenMP, %s hwloc, %s kernels for AVX2 and AVX-512.\n",
            planish_version(), with(PLANISH_FEATURE_OPENMP), with(PLANISH_FEATURE_HWLOC),
            with(PLANISH_FEATURE_X86_KERNELS));

@@ -58,7 +58,8 @@ static int check_shape(const planish_mesh *mesh, const planish_options *options,
 static int check_neighbourhood(const planish_options *options, planish_error *error) {
     if (options->n_around != 0 && !options->around)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "options.n_around is %" PRId64 ", but options.around is NULL; give the nodes",
+                       "options.n_around is %" PRId64
+                       ", but options.around is NULL; give the nodes",
                        options->n_around);
     return PLANISH_OK;
 }

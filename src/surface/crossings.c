@@ -164,7 +164,7 @@ int pl_surface_hold_crossings(const pl_surface_run *r, uint8_t *held, int64_t *n
     if (*n_held > 0)
         pl_log(PLANISH_LOG_NOTE,
                "%" PRId64 " nodes are held from now on, because facets there crossed others; the "
-                          "run begins again",
+               "run begins again",
                *n_held);
     return status;
 }

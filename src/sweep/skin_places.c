@@ -440,7 +440,7 @@ static void hold_far(pl_skin *skin) {
     if (skin->n_held > 0)
         pl_log(PLANISH_LOG_NOTE,
                "%" PRId64 " nodes do not move: the surface there is farther off options.shape than "
-                          "surface_tolerance",
+               "surface_tolerance",
                skin->n_held);
 }
 
@@ -549,7 +549,7 @@ static int hold_near(pl_skin *skin, planish_error *error) {
     if (n > 0)
         pl_log(PLANISH_LOG_NOTE,
                "%" PRId64 " nodes do not move: another sheet of the surface is nearer there than "
-                          "twice surface_tolerance",
+               "twice surface_tolerance",
                n);
     return status;
 }

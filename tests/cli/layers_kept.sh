@@ -153,7 +153,7 @@ expect_json 'r["target"] == "regular" and r["mesh"]["held_layer_elements"] == r[
 # ---- the page; meshes without layers
 
 expect_status 0 "$program" smooth pushed.mesh -o out.mesh --layers keep --report page.html -q
-grep -q 'id="target">The layers keep their heights' page.html || fail "the page says the target"
+grep -q 'id="target">The layers should keep their heights' page.html || fail "the page says the target"
 grep -q "former heights of the layers" page.html || fail "the page has the target among its facts"
 python3 make.py prisms 0 0.3 >pushed.mesh
 expect_status 0 "$program" smooth pushed.mesh -o out.mesh --json report.json --report page.html -q

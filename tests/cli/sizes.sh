@@ -169,7 +169,7 @@ END2
 done
 expect_status 0 "$program" quality quads.vtk --size m --json report.json --report page.html
 expect_json 'r["target"] == "metric" and r["quality"]["rms_aspect_ratio"] > 1.2'
-grep -qF 'to have the metric of <code>m</code>' page.html || fail "the page says the metric"
+grep -qF 'should have the metric in <code>m</code>' page.html || fail "the page says the metric"
 
 # ---- quality and the page
 
@@ -179,7 +179,7 @@ expect_json 'r["target"] == "sizes" and 0.3 < r["quality"]["sizes"]["rms_log"] <
 expect_status 0 "$program" smooth quads.vtk --size h -o a.vtk --json report.json --report page.html -q
 expect_status 0 "$program" report report.json -o later.html
 cmp -s page.html later.html || fail "the page of a result is that of its run"
-grep -qF 'to have the sizes of <code>h</code>' page.html || fail "the page says the sizes"
+grep -qF 'should have the sizes in <code>h</code>' page.html || fail "the page says the sizes"
 
 # ---- what does not fit
 

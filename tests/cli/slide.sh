@@ -182,7 +182,7 @@ cmp -s fixed.msh held.msh || fail "--fix should come before --slide"
 # Wrong words.
 expect_status 64 "$program" smooth "$sample" -o no.msh --slide bracket
 expect_one_line
-expect_text "there is no group 'bracket' of triangles or quadrilaterals; the file has: skin"
+expect_text "'bracket' is a group of solid elements, but one of triangles or quadrilaterals is needed; the file has: skin"
 expect_status 64 "$program" smooth box.mesh -o no.mesh --slide ""
 expect_status 64 "$program" smooth box.mesh -o no.mesh --slide auto --method laplacian
 expect_text "--slide has no effect with --method laplacian"

@@ -114,7 +114,8 @@ static void wrong_files_are_refused(void **state) {
     reading_fails(f, "v 0 0 0\nv 1 0 0x\n", "test:2: vertex 2");
     reading_fails(f, "v 0 0 0\nv 1 nan 0\n", "test:2: node 2 has a coordinate that is not finite");
     reading_fails(f, "v 0 0 0\nv 1 1e999 0\n", "not finite");
-    reading_fails(f, SQUARE "surf 0 1 0 1 1 2 3\n", "test:5: planish does not read curves and surfaces");
+    reading_fails(f, SQUARE "surf 0 1 0 1 1 2 3\n",
+                  "test:5: planish does not read curves and surfaces");
     reading_gives_surface(f, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n");
 }
 

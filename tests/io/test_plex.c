@@ -223,7 +223,7 @@ static void wrong_files_are_refused(void **state) {
     p = plex_right;
     p.version = 2;
     refuse(((void)(p.is_extruded = 1), &p), "another mesh ('e') with coordinates of its own");
-    reading_fails(&io_format_plex, "no HDF5", "no HDF5 file");
+    reading_fails(&io_format_plex, "no HDF5", "not an HDF5 file");
 }
 
 static void nothing_breaks_it(void **state) {

@@ -217,7 +217,7 @@ static void wrong_files_are_refused(void **state) {
     refuse(((void)(g = right, g.kind = "ImageData"), &g), "'ImageData'");
     refuse(((void)(g = right, g.x = 0.0 / 0.0), &g), "not finite");
     refuse(((void)(g = right, g.x = 0.0 / 0.0, g.chunk = 3, g.is_packed = 1), &g), "not finite");
-    reading_fails(&io_format_vtkhdf, "no HDF5", "no HDF5 file");
+    reading_fails(&io_format_vtkhdf, "no HDF5", "not an HDF5 file");
 }
 
 static void nothing_breaks_it(void **state) {

@@ -503,7 +503,7 @@ static void what_is_wrong_is_said(void **state) {
         {TABLES("0 3 3", "0 1 3", "3 6 9", "0 1 2 0 1 4 1 2 4") END,
          "face_offsets: the number of values in the array"},
         {TABLES("0 3 3", "0 1 2", "3 6 99", "0 1 2 0 1 4 1 2 4") END,
-         "face_connectivity: the array"},
+         "face_connectivity: the number of values"},
         {TABLES("0 3 3", "0 1 2", "3 6 9", "0 1 2 0 1 4 1 2 9") END, "face_connectivity: a node"},
         {GRID("") PIECE("3", "1") POINTS("0 0 0 1 0 0 0 1 0") CELLS("0 1 99999999999", "3", "5")
              END,

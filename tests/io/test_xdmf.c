@@ -796,7 +796,7 @@ static void wrong_files_of_hdf5_are_refused(void **state) {
     folder_write(folder, "a.xdmf", XDMF(GRID(TWO GEOMETRY(HDF("Float", "5 3", "mesh.h5:/none")))));
     folder_open_fails(folder, "a.xdmf", "/none: there is no such array");
     folder_write(folder, "a.xdmf", XDMF(GRID(TWO GEOMETRY(HDF("Float", "5 3", "a.xdmf:/points")))));
-    folder_open_fails(folder, "a.xdmf", "no HDF5 file");
+    folder_open_fails(folder, "a.xdmf", "not an HDF5 file");
     folder_write(folder, "a.xdmf",
                  XDMF(GRID(TWO GEOMETRY(HDF("Float", "5 3", "mesh.h5:/points|0 0:1 1:5 3")))));
     folder_open_fails(folder, "a.xdmf", "a part of an array");
@@ -879,7 +879,8 @@ static void damaged_files_are_refused(void **state) {
         {XDMF(GRID("<Topology>" WHOLE("4", "0 1 2 3") "</Topology>" POINTS)), "no TopologyType"},
         {XDMF(GRID("<Topology Type=\"Tetrahedron\"/>" POINTS)), "there is no DataItem"},
         {XDMF(GRID(TOPOLOGY("Tetrahedron", "3", "2 4", "0 1 2 3 1 2 3 4") POINTS)), "3 elements"},
-        {XDMF(GRID(TOPOLOGY("Tetrahedron", "x", "2 4", "0 1 2 3 1 2 3 4") POINTS)), "not whole"},
+        {XDMF(GRID(TOPOLOGY("Tetrahedron", "x", "2 4", "0 1 2 3 1 2 3 4") POINTS)),
+         "not a whole number"},
         {XDMF(GRID(TOPOLOGY("Tetrahedron", "2", "9", "0 1 2 3 1 2 3 4 5") POINTS)), "9 numbers"},
         {XDMF(GRID(TOPOLOGY("Tetrahedron", "2", "2 4", "0 1 2 3 1 2 3 x") POINTS)),
          "number expected"},
@@ -892,7 +893,8 @@ static void damaged_files_are_refused(void **state) {
         {XDMF(GRID(TOPOLOGY("Tetrahedron", "2", "2 -4", "0 1") POINTS)), "not whole numbers"},
         {XDMF(GRID(TWO GEOMETRY(REAL("99999999 3", FIVE)))), "cannot be where they should"},
         {XDMF(GRID(TWO GEOMETRY(REAL("9223372036854775807 9", FIVE)))), "not whole numbers"},
-        {XDMF(GRID(TWO GEOMETRY(REAL("7 2", "0 0 0 1 0 0 0 1 0 0 0 1 1 1")))), "no points"},
+        {XDMF(GRID(TWO GEOMETRY(REAL("7 2", "0 0 0 1 0 0 0 1 0 0 0 1 1 1")))),
+         "do not make points"},
         {XDMF(GRID(TWO GEOMETRY(REAL("5 3", "0 0 0 1 0 0 0 1 0 0 0 1 1 1 nan")))), "not finite"},
         {XDMF(GRID(TWO GEOMETRY(REAL("5 3", "0 0 0 1 0 0 <!-- a -->0 1 0 0 0 1 1 1 1")))),
          "markup"},

@@ -271,6 +271,8 @@ int pl_advise_command(const pl_arguments *arguments) {
             "%s: is not a regular file: save it as one, because advise reads it again "
             "for each trial",
             arguments->input);
-    const int status = pl_quality_command(arguments);
+    pl_arguments measured = *arguments;
+    measured.command = PL_COMMAND_QUALITY;
+    const int status = pl_quality_command(&measured);
     return status ? status : pl_flush_stdout(try_ways(arguments), PL_EXIT_FAILED);
 }

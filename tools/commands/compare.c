@@ -34,7 +34,8 @@ static int compare_with(pl_job *job, const planish_file *after, pl_progress *pro
     const pl_same_mesh before = {arguments->input, job->file, &mine};
     const pl_same_mesh second = {arguments->output, after, &other};
     pl_result result = {.reason = ""};
-    int status = pl_same_check(&before, &second, "for meshes of different sizes use: planish quality A B");
+    int status =
+        pl_same_check(&before, &second, "for meshes of different sizes use: planish quality A B");
     if (!status)
         status = pl_steps_check(job);
     if (!status)

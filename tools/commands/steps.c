@@ -43,14 +43,18 @@ static void note_supported(const pl_job *job) {
         return;
     pl_memory_stream_open(&stream);
     for (int i = 0; stream.file && group[i]; i++) {
-        fputs(i == 0 ? "; hold them with --fix " : i < MOST_NAMED ? " --fix " : " ...", stream.file);
+        fputs(i == 0           ? "; hold them with --fix "
+              : i < MOST_NAMED ? " --fix "
+                               : " ...",
+              stream.file);
         if (i == MOST_NAMED)
             break;
         pl_text_put_word(stream.file, group[i]);
     }
     char *options = pl_memory_stream_close(&stream);
     pl_note(stderr,
-            "%" PRId64 " of the %" PRId64 " nodes with boundary conditions in the file may move%s%s",
+            "%" PRId64 " of the %" PRId64
+            " nodes with boundary conditions in the file may move%s%s",
             job->n_supported, planish_file_get_supported(job->file, NULL),
             has_mids(job->mesh.cells) ? ", and mid-side nodes follow" : "", options ? options : "");
     free(options);

@@ -109,7 +109,8 @@ static int find_held(const pl_job *job, const planish_hold *hold, uint8_t *const
     if (planish_file_constraints(job->file, hold, constraint, &error) == PLANISH_OK)
         return 0;
     for (int i = 0; i < hold->n_slide_tags; i++) /* an unknown one may be meant to be a word */
-        for (size_t k = 0; k < sizeof words / sizeof *words && error.code == PLANISH_ERROR_ARGUMENT; k++)
+        for (size_t k = 0; k < sizeof words / sizeof *words && error.code == PLANISH_ERROR_ARGUMENT;
+             k++)
             nearest = pl_nearer(hold->slide_tags[i], nearest, words[k]);
     if (nearest)
         return pl_complain_usage(pl_command_name(job->arguments->command),

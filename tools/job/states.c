@@ -47,8 +47,8 @@ static void list_elements(const pl_job *job, const uint8_t *state, int least, in
     size_t used = (size_t)snprintf(text, PL_ELEMENTS_SIZE, "element%s", n == 1 ? "" : "s");
     for (int64_t i = 0; i < job->mesh.n_elements && named < n && named < MOST_NAMED; i++)
         if (state[i] >= least && state[i] <= most)
-            used += (size_t)snprintf(text + used, PL_ELEMENTS_SIZE - used, "%s %" PRId64, named++ ? "," : "",
-                                     pl_job_element_number(job, i));
+            used += (size_t)snprintf(text + used, PL_ELEMENTS_SIZE - used, "%s %" PRId64,
+                                     named++ ? "," : "", pl_job_element_number(job, i));
     snprintf(text + used, PL_ELEMENTS_SIZE - used, "%s", named < n ? ", ..." : "");
 }
 

@@ -37,7 +37,7 @@ void pl_surface_note(FILE *stream, const pl_job *job) {
     if (info->n_conflict_edges > 0)
         pl_note(stream,
                 "%" PRId64 " edge%s between elements that cannot be oriented alike (a Moebius "
-                           "strip?): their nodes stay, or move along these edges",
+                "strip?): their nodes stay, or move along these edges",
                 info->n_conflict_edges, info->n_conflict_edges == 1 ? " is" : "s are");
     if (info->n_flat > 0)
         pl_note(stream, "%" PRId64 " triangle%s no area; %s nodes are held", info->n_flat,

@@ -52,9 +52,9 @@ static const pl_command_text command_table[] = {
      "planish compare in.msh out.msh\n"
      "planish compare in.vtu other-smoother.vtk --report page.html"},
     {PL_COMMAND_ADVISE, "advise", "IN", "mesh file", 0, 0, "measure a mesh and try to smooth it",
-     "Report the quality of the mesh IN, smooth it in memory in several ways, and print\n"
-     "the command that helps most. No file is changed. 'planish IN' does the same.\n"
-     "Each trial smooths for at most half a minute.",
+     "Report the quality of the mesh IN, smooth it in memory in several ways, and\n"
+     "print the command that helps most. No file is changed. 'planish IN' does the\n"
+     "same. Each trial smooths for at most half a minute.",
      "0 if the trials were made; 2 if not; 64 bad usage.",
      "planish advise in.msh\n"
      "planish in.msh --fix LOAD"},

@@ -129,7 +129,8 @@ static void put_target(pl_markup *page, const pl_figures *figures, const cJSON *
                                          : "compare elements with regular ones");
     } else if (figures->has_targets) {
         pl_markup_put(
-            page, "<p id=\"target\">The layers keep their heights. Aspect ratios compare their ");
+            page,
+            "<p id=\"target\">The layers should keep their heights. Aspect ratios compare their ");
         pl_markup_put_count(page, pl_figure_count(mesh, "kept_layer_elements"));
         pl_markup_put(
             page,

@@ -889,7 +889,7 @@ void pl_table_reversed(FILE *stream, const planish_quality *quality) {
     if (n > 0 && n > quality->n_inverted)
         pl_note(stream,
                 "%" PRId64 " %s their nodes in the opposite order to most; planish does not "
-                           "renumber elements, and a solver may take these for inverted",
+                "renumber elements, and a solver may take these for inverted",
                 n, word_for(n, "element lists", "elements list"));
 }
 

@@ -318,9 +318,8 @@ static int read_other(abaqus_reader *r, const abaqus_block *b, io_cursor *cursor
 /** Note the name of a type that is read. */
 static int note_type(const abaqus_reader *r, const char *name, const io_element_type *type) {
     io_model *model = r->model;
-    io_type_name made = {.type = type->shape == IO_LINE
-                                     ? io_simplex_type(1, type->nodes > 2)
-                                     : io_cell_type(type->shape, type->nodes)};
+    io_type_name made = {.type = type->shape == IO_LINE ? io_simplex_type(1, type->nodes > 2)
+                                                        : io_cell_type(type->shape, type->nodes)};
     int is_there = made.type == 0;
     for (int64_t i = 0; i < model->n_type_names && !is_there; i++)
         is_there = strcmp(model->type_name[i].name, name) == 0;

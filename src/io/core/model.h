@@ -297,17 +297,18 @@ typedef struct io_model {
     int32_t n_slots;      /* a power of two, or 0 */
     io_group *group;      /* [n_groups] */
     int64_t n_groups, group_capacity;
-    int groups_by_name;    /* numbers of entities and groups are none of the file's (Abaqus) */
-    io_names strange_groups; /* names in the file that are no groups, though they look so (*SURFACE) */
-    uint8_t *supported;      /* [n_nodes] 1: a boundary condition names the node, and holds it not; NULL:
+    int groups_by_name; /* numbers of entities and groups are none of the file's (Abaqus) */
+    io_names
+        strange_groups; /* names in the file that are no groups, though they look so (*SURFACE) */
+    uint8_t *supported; /* [n_nodes] 1: a boundary condition names the node, and holds it not; NULL:
                                 none does */
     io_names supported_group; /* names of the groups that boundary conditions name */
     io_names included_name;   /* of the files in included, as the input names them */
     io_names not_carried;     /* what no conversion carries over: keywords of Abaqus */
     io_type_name *type_name;  /* [n_type_names] each once, of the elements that are read (Abaqus) */
     int64_t n_type_names, type_name_capacity;
-    int has_normals;       /* the file has normals of nodes, which stay as they are */
-    io_others flat, solid; /* of two and of three dimensions */
+    int has_normals;                 /* the file has normals of nodes, which stay as they are */
+    io_others flat, solid;           /* of two and of three dimensions */
     const io_node_order *node_order; /* of the format, ended by a row of type 0; NULL: VTK's */
     int64_t n_other, n_lower;        /* elements that are not kept; lines, points and facets */
     int lower_are_held; /* elements of lower dimension hold their nodes already, as far as they do */

@@ -78,8 +78,8 @@ static void fill(const io_model *model, const numbered *named, const numbered *n
     for (int32_t i = 0; i < model->n_groups; i++) {
         const numbered key = {model->group[i].dim, model->group[i].tag, 0};
         const numbered *found = bsearch(&key, number, (size_t)n, sizeof *number, compare);
-        *group++ = (planish_group){
-            .tag = model->group[i].name, .dim = key.dim, .n = found ? found->n : 0};
+        *group++ =
+            (planish_group){.tag = model->group[i].name, .dim = key.dim, .n = found ? found->n : 0};
     }
     for (int64_t i = 0; i < n && !model->groups_by_name; i++) {
         if (bsearch(&number[i], named, (size_t)model->n_groups, sizeof *named, compare))
