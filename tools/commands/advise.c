@@ -111,7 +111,7 @@ static int try_way(const pl_arguments *arguments, way *w, way *before, int *has_
 enum { LABEL = 25, COLUMN = 12 };
 
 static int is_narrow(void) {
-    return pl_text_width(stdout) < PL_TEXT_WIDTH;
+    return pl_terminal_text_width(stdout) < PL_TEXT_WIDTH;
 }
 
 static void put_number(double value) {

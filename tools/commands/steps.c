@@ -17,6 +17,7 @@
 #include "terminal/message.h"
 #include "terminal/platform.h"
 #include "terminal/signals.h"
+#include "terminal/terminal.h"
 #include "terminal/text.h"
 
 #include "base/clock.h"
@@ -82,14 +83,14 @@ static void print_plan(const pl_job *job) {
         return;
     if (job->is_surface) {
         snprintf(text, sizeof text, "%d thread%s", info->threads, info->threads == 1 ? "" : "s");
-        pl_text_wrap(stderr, text);
+        pl_terminal_wrap(stderr, text);
         pl_held_print(stderr, job);
         return;
     }
     snprintf(text, sizeof text, "%d thread%s (%s), kernel %s, %d colour%s, plan of %.1f MB",
              info->threads, info->threads == 1 ? "" : "s", info->binding, info->isa,
              info->n_colours, info->n_colours == 1 ? "" : "s", (double)info->bytes / 1e6);
-    pl_text_wrap(stderr, text);
+    pl_terminal_wrap(stderr, text);
     pl_held_print(stderr, job);
 }
 
@@ -188,7 +189,7 @@ static int run_sweeps(pl_job *job, pl_result *result, pl_progress *progress) {
                  "KKT residual: largest %.3g, RMS %.3g; %" PRId64
                  " active constraints, largest multiplier %.3g",
                  smooth->kkt_residual, smooth->kkt_rms, smooth->n_active, smooth->max_multiplier);
-        pl_text_wrap(stderr, text);
+        pl_terminal_wrap(stderr, text);
     }
     return 0;
 }

@@ -6,6 +6,7 @@
 #include "job/held.h"
 
 #include "terminal/message.h"
+#include "terminal/terminal.h"
 #include "terminal/text.h"
 
 #include "base/clock.h"
@@ -229,7 +230,7 @@ void pl_held_print(FILE *stream, const pl_job *job) {
     if (job->held.n_unused > 0)
         append(text, sizeof text, "; %" PRId64 " more %s in no element", job->held.n_unused,
                job->held.n_unused == 1 ? "node is" : "nodes are");
-    pl_text_wrap(stream, text);
+    pl_terminal_wrap(stream, text);
 }
 
 void pl_held_explain(const pl_job *job, char *text, size_t size) {

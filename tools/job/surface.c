@@ -2,6 +2,7 @@
 #include "job/surface.h"
 
 #include "terminal/message.h"
+#include "terminal/terminal.h"
 #include "terminal/text.h"
 
 #include <inttypes.h>
@@ -17,7 +18,7 @@ void pl_surface_print(FILE *stream, const pl_job *job) {
              " creases), %" PRId64 " corners",
              open, info->n_patches, info->n_patches == 1 ? "" : "es", info->n_edges,
              info->n_creases, info->n_corners);
-    pl_text_wrap(stream, text);
+    pl_terminal_wrap(stream, text);
 }
 
 void pl_surface_note(FILE *stream, const pl_job *job) {

@@ -182,7 +182,7 @@ static void put_row(FILE *stream, const pl_compared *mesh, int n, int i, const n
 }
 
 int pl_comparison_print(FILE *stream, const pl_compared *mesh, int n, int has_volumes) {
-    const int text_width = pl_text_width(stream);
+    const int text_width = pl_terminal_text_width(stream);
     const selection columns_shown =
         select_columns(mesh, n, has_volumes, text_width < PL_TEXT_WIDTH);
     double best[N_COLUMNS];

@@ -26,7 +26,7 @@ typedef struct widths {
 
 static widths widths_of(FILE *stream) {
     static const widths wide = {MOST_LABEL, 13, 11, 0}, narrow = {29, 10, 10, 1};
-    return pl_text_width(stream) < PL_TEXT_WIDTH ? narrow : wide;
+    return pl_terminal_text_width(stream) < PL_TEXT_WIDTH ? narrow : wide;
 }
 
 /* Changes below this fraction of a value are not seen in the digits of it that are shown. */
@@ -194,7 +194,7 @@ static const char *word_for(int64_t n, const char *one, const char *many) {
 static void row_mesh(FILE *stream, const pl_job *job, const char *elements) {
     enum { NAME_ROOM = 20 };
     char counts[512], name[4 * PL_TEXT_WIDTH + 1];
-    const int room = pl_text_width(stream);
+    const int room = pl_terminal_text_width(stream);
     const int width =
         snprintf(counts, sizeof counts, ": %s, %s, %" PRId64 " %s", job->file_info.format, elements,
                  job->mesh.n_nodes, word_for(job->mesh.n_nodes, "node", "nodes"));
@@ -205,7 +205,7 @@ static void row_mesh(FILE *stream, const pl_job *job, const char *elements) {
     }
     fprintf(stream, "%s: %s\n", pl_text_fit(job->arguments->input, room / 2, name, sizeof name),
             job->file_info.format);
-    pl_text_wrap(stream, counts + strlen(": ") + strlen(job->file_info.format) + strlen(", "));
+    pl_terminal_wrap(stream, counts + strlen(": ") + strlen(job->file_info.format) + strlen(", "));
 }
 
 /** Whether any element has mid-side nodes. */
@@ -232,7 +232,7 @@ static void rows_cells(FILE *stream, const pl_job *job, const pl_validity *valid
             job->file_info.format, n, word_for(n, "node", "nodes"));
     snprintf(text, sizeof text, "%s, %" PRId64 " curved; mid-side nodes follow", counts,
              validity->quality.all.n_curved);
-    pl_text_wrap(stream, text);
+    pl_terminal_wrap(stream, text);
 }
 
 /** Put what the targets of the elements are, if they have any. */
@@ -275,7 +275,7 @@ static void row_free(FILE *stream, const pl_job *job) {
                  job->could_slide);
     snprintf(text, sizeof text, "%" PRId64 " of %" PRId64 " %s free to move%s", n,
              job->mesh.n_nodes, word_for(n, "nodes is", "nodes are"), sliding);
-    pl_text_wrap(stream, text);
+    pl_terminal_wrap(stream, text);
 }
 
 /** Whether ratios and angles are of the same elements before (NULL: no matter) and after: they are
@@ -384,7 +384,7 @@ static void rows_sizes(FILE *stream, const planish_size_quality *before,
     snprintf(text, sizeof text,
              "Sizes are relative: times %.4g, those given are what as many elements can have.",
              after->factor);
-    pl_text_wrap(stream, text);
+    pl_terminal_wrap(stream, text);
 }
 
 /** Put the measures of a mesh with elements of other types, by cells; what the plan knows of those
@@ -420,11 +420,12 @@ static void rows_aspect(FILE *stream, const pl_job *job, const pl_result *result
     /* Simplices come first in a file's mesh. */
     if (cells->n == 0 || job->like.place || !pl_cell_is_simplex((planish_cell_type)cells->type[0]))
         return;
-    pl_text_wrap(stream, pl_job_element_dim(job) == 3
-                             ? "AR is the mean ratio of corners, also of tetrahedra: do not "
-                               "compare AR with radius ratios."
-                             : "AR is the mean ratio of corners, also of triangles: do not compare "
-                               "AR with radius ratios.");
+    pl_terminal_wrap(stream,
+                     pl_job_element_dim(job) == 3
+                         ? "AR is the mean ratio of corners, also of tetrahedra: do not "
+                           "compare AR with radius ratios."
+                         : "AR is the mean ratio of corners, also of triangles: do not compare "
+                           "AR with radius ratios.");
 }
 
 /** Elements below their minimum volume, where there is one. */
@@ -460,7 +461,7 @@ static void put_objective(FILE *stream, const pl_job *job, const pl_result *resu
              job->has_types ? "" : " and angles",
              job->has_types ? valid_before : before->n_elements - before->n_inverted,
              job->has_types ? valid_after : after->n_elements - after->n_inverted);
-    pl_text_wrap(stream, text);
+    pl_terminal_wrap(stream, text);
 }
 
 static const char *const stop_texts[] = {
@@ -481,7 +482,7 @@ static void put_end(FILE *stream, const planish_result *smooth) {
              stop_texts[smooth->stop], sweeps, sweeps == 1 ? "" : "s", untangling,
              smooth->n_moved_nodes, word_for(smooth->n_moved_nodes, "node", "nodes"),
              smooth->max_displacement);
-    pl_text_wrap(stream, text);
+    pl_terminal_wrap(stream, text);
 }
 
 /** Put the gain of the worst elements, and its cost. */
@@ -506,7 +507,7 @@ static void put_worst(FILE *stream, const pl_job *job, const planish_result *smo
     else
         snprintf(text + n, sizeof text - (size_t)n, "while %s went from %.4g to %.4g", name,
                  smooth->objective_of_worst, smooth->objective);
-    pl_text_wrap(stream, text);
+    pl_terminal_wrap(stream, text);
 }
 
 /** Put a proved distance between the surface and the original one. */
@@ -519,7 +520,7 @@ static void put_distance(FILE *stream, const char *start, const char *middle,
                  d->distance, d->in_edges, middle, d->distance_back, d->back_in_edges);
     else
         snprintf(text, sizeof text, "%s an unknown distance: no bound is proved", start);
-    pl_text_wrap(stream, text);
+    pl_terminal_wrap(stream, text);
 }
 
 /** Put by how much the volumes changed: of all, and of the regions that changed most. */
@@ -554,7 +555,7 @@ static void put_volume_changes(FILE *stream, const pl_job *job, const pl_surface
                                  k ? "," : "; regions:", tag[0] ? tag : "(no name)",
                                  of->after / of->before - 1);
     }
-    pl_text_wrap(stream, text);
+    pl_terminal_wrap(stream, text);
 }
 
 /** Put what nodes slide on, and how far the surface has moved. */
@@ -571,12 +572,12 @@ static void put_surface(FILE *stream, const pl_job *job, const pl_result *result
              n[PLANISH_CONSTRAINT_ON_PLANE], n[PLANISH_CONSTRAINT_ON_LINE],
              n[PLANISH_CONSTRAINT_ON_PATCH], n[PLANISH_CONSTRAINT_ON_CURVE],
              job->curved.info.n_corners);
-    pl_text_wrap(stream, text);
+    pl_terminal_wrap(stream, text);
     put_distance(stream, "surface moved by", ", the original one is", &result->surface.after);
     if (n_refused > 0) {
         snprintf(text, sizeof text, "%" PRId64 " %s shortened or refused for the surface",
                  n_refused, word_for(n_refused, "move was", "moves were"));
-        pl_text_wrap(stream, text);
+        pl_terminal_wrap(stream, text);
     }
     if (!job->is_surface)
         put_volume_changes(stream, job, &result->surface);
@@ -598,7 +599,7 @@ static void put_onto(FILE *stream, const pl_job *job) {
              " not yet",
              job->arguments->onto, n, word_for(n, "node", "nodes"), before->n_off, before->farthest,
              n - after->n_off, word_for(n - after->n_off, "is", "are"), after->n_off);
-    pl_text_wrap(stream, text);
+    pl_terminal_wrap(stream, text);
     put_distance(stream, "the surface is off that one by", ", that one is", &job->onto.distance);
 }
 
@@ -658,7 +659,7 @@ void pl_table_compare(FILE *stream, const pl_job *job, const pl_result *result) 
     put_both(stream, job, result);
     snprintf(text, sizeof text, "%" PRId64 " of %" PRId64 " nodes %s, by up to %.3g", n,
              job->mesh.n_nodes, n == 1 ? "differs" : "differ", result->smooth.max_displacement);
-    pl_text_wrap(stream, text);
+    pl_terminal_wrap(stream, text);
 }
 
 void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result) {
@@ -674,7 +675,7 @@ void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result) {
              "%.3f s: read %.3f, set up %.3f, smooth %.3f, write %.3f; %d thread%s",
              result->total_seconds, job->read_seconds, job->setup_seconds, result->smooth_seconds,
              result->write_seconds, job->plan_info.threads, job->plan_info.threads == 1 ? "" : "s");
-    pl_text_wrap(stream, text);
+    pl_terminal_wrap(stream, text);
 }
 
 static void row_spread(FILE *stream, const char *label, const planish_spread *spread,
@@ -907,7 +908,7 @@ static void put_angle(FILE *stream, double degrees) {
 /** Put text behind width columns, on a new line if there is no room. Returns the columns then. */
 static int put_further(FILE *stream, const char *text, int width) {
     enum { INDENT = NUMBER_WIDTH + 7 };
-    if (width + pl_text_columns(text) > pl_text_width(stream))
+    if (width + pl_text_columns(text) > pl_terminal_text_width(stream))
         width = fprintf(stream, "\n%*s", INDENT, "") - 1;
     fputs(text, stream);
     return width + pl_text_columns(text);
@@ -941,7 +942,7 @@ static void put_bad_element(FILE *stream, const pl_bad_element *bad, const pl_wo
         width = put_further(stream, ", all fixed", width);
     if (bad->region) {
         const char *word = ", in ";
-        const int room = pl_text_width(stream) - width - (int)strlen(word);
+        const int room = pl_terminal_text_width(stream) - width - (int)strlen(word);
         fprintf(stream, "%s%s", word,
                 pl_text_fit(bad->region, room > 4 ? room : 4, region, sizeof region));
     }

@@ -49,7 +49,8 @@ void pl_histogram_print(FILE *stream, const char *ratio, const planish_quality *
     int64_t inverted = 0;
     bars b = {.stream = stream,
               .has_blocks = pl_terminal_has_blocks(stream),
-              .width = (pl_text_width(stream) - LABEL_WIDTH) / (2 - first) - COUNT_WIDTH - 1,
+              .width =
+                  (pl_terminal_text_width(stream) - LABEL_WIDTH) / (2 - first) - COUNT_WIDTH - 1,
               .most = 1};
     for (int s = first; s < 2; s++) {
         const int64_t *counts = states[s]->histogram_counts;

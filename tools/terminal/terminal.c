@@ -3,9 +3,11 @@
 
 #include "terminal/platform.h"
 #include "terminal/signals.h"
+#include "terminal/text.h"
 
 #include <limits.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { USUAL_COLUMNS = 80 };
 
@@ -29,6 +31,26 @@ int pl_terminal_columns(FILE *stream) {
 
 int pl_terminal_room(FILE *stream) {
     return pl_console_is(stream) ? pl_terminal_columns(stream) : INT_MAX;
+}
+
+int pl_terminal_text_width(FILE *stream) {
+    return pl_terminal_room(stream) < PL_TEXT_WIDTH ? PL_TEXT_NARROW : PL_TEXT_WIDTH;
+}
+
+void pl_terminal_wrap(FILE *stream, const char *sentence) {
+    const int width = pl_terminal_text_width(stream);
+    int column = 0;
+    for (const char *word = sentence; *word;) {
+        const int length = (int)strcspn(word, " ");
+        if (column > 0 && column + 1 + length > width) {
+            fputc('\n', stream);
+            column = 0;
+        }
+        column += fprintf(stream, "%s%.*s", column > 0 ? " " : "", length, word);
+        word += length;
+        word += strspn(word, " ");
+    }
+    fputc('\n', stream);
 }
 
 const char *pl_style_begin(FILE *stream, pl_style style) {

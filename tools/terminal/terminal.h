@@ -36,6 +36,12 @@ int pl_terminal_columns(FILE *stream);
 /** Columns that a line on stream may have: those of the terminal that it is, or any number. */
 int pl_terminal_room(FILE *stream);
 
+/** Columns of lines on stream: PL_TEXT_WIDTH, or PL_TEXT_NARROW on a terminal that is narrower. */
+int pl_terminal_text_width(FILE *stream);
+
+/** Print sentence and a line end, in lines of pl_terminal_text_width() at most, broken at blanks. */
+void pl_terminal_wrap(FILE *stream, const char *sentence);
+
 /** Sequence to print before and behind a text of a style; "" without colours. */
 const char *pl_style_begin(FILE *stream, pl_style style);
 const char *pl_style_end(FILE *stream, pl_style style);

@@ -1,8 +1,6 @@
 /* text: names and sentences in lines of a given width. */
 #include "terminal/text.h"
 
-#include "terminal/terminal.h"
-
 #include <stdint.h>
 #include <string.h>
 
@@ -175,26 +173,6 @@ const char *pl_text_fit(const char *name, int columns, char *text, size_t size) 
     append(dots, 0, n_dots, text, size);
     append(name, length - tail, length, text, size);
     return text;
-}
-
-int pl_text_width(FILE *stream) {
-    return pl_terminal_room(stream) < PL_TEXT_WIDTH ? PL_TEXT_NARROW : PL_TEXT_WIDTH;
-}
-
-void pl_text_wrap(FILE *stream, const char *sentence) {
-    const int width = pl_text_width(stream);
-    int column = 0;
-    for (const char *word = sentence; *word;) {
-        const int length = (int)strcspn(word, " ");
-        if (column > 0 && column + 1 + length > width) {
-            fputc('\n', stream);
-            column = 0;
-        }
-        column += fprintf(stream, "%s%.*s", column > 0 ? " " : "", length, word);
-        word += length;
-        word += strspn(word, " ");
-    }
-    fputc('\n', stream);
 }
 
 int pl_utf8_length(const char *text) {

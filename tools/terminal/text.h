@@ -15,9 +15,6 @@
 /* Columns of all that is printed for people, and of what narrow terminals get. */
 enum { PL_TEXT_WIDTH = 80, PL_TEXT_NARROW = 60 };
 
-/** Columns of lines on stream: PL_TEXT_WIDTH, or PL_TEXT_NARROW on a terminal that is narrower. */
-int pl_text_width(FILE *stream);
-
 /** Columns that text takes: two for each wide character (of Chinese, say), none for an accent of
  * its own; bytes that are not UTF-8 are characters of Latin-1. */
 int pl_text_columns(const char *text);
@@ -35,9 +32,6 @@ void pl_text_put_word(FILE *stream, const char *text);
  *  '?'. text [size] is filled in and returned, with what there is room for; strlen(name) + 4 is
  *  always enough, 4 * columns + 1 for characters without accents of their own. */
 const char *pl_text_fit(const char *name, int columns, char *text, size_t size);
-
-/** Print sentence and a line end, in lines of pl_text_width() at most, broken at blanks. */
-void pl_text_wrap(FILE *stream, const char *sentence);
 
 /** Bytes of the character that text begins with if a terminal may not get it: a control, or one
  *  that changes the direction of what follows; *code: its number. Else 0. */
