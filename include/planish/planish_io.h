@@ -302,8 +302,8 @@ PLANISH_API int64_t planish_file_get_marked(const planish_file *file, uint8_t *m
  *  [n_nodes] (may be NULL) is filled with 0 or 1. Return the number of these nodes. */
 PLANISH_API int64_t planish_file_get_supported(const planish_file *file, uint8_t *supported);
 
-/** Names of the sets that these boundary conditions name, as tags of planish_hold, NULL at the end; the file
- *  owns them. Nodes may be named one by one besides. */
+/** Names of the first 1000 sets that these boundary conditions name, as tags of planish_hold, NULL at the end;
+ *  the file owns them. Nodes may be named one by one besides. */
 PLANISH_API const char *const *planish_file_supported_groups(const planish_file *file);
 
 /** Names of the files that the file includes (Abaqus, Nastran), as it writes them, NULL at the end; the file

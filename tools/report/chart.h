@@ -25,7 +25,7 @@ typedef struct pl_histogram {
     const char *name[PL_CHART_MOST_SERIES];
 } pl_histogram;
 
-/** Where the bins are in the drawing: from and to, in units of its view box. */
+/** Places of the bins in the drawing: from and to, in units of its view box. */
 typedef struct pl_chart_frame {
     int from, to;
 } pl_chart_frame;

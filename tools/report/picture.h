@@ -33,7 +33,7 @@ int pl_picture_take(pl_picture *picture, const pl_job *job, const char *name);
 /** Whether features of the surface are drawn: patches, curves and corners. */
 int pl_picture_has_features(const pl_picture *picture);
 
-/** Of how many solid elements one is drawn inside: 1: all are; 0: there are none. */
+/** Return of how many solid elements one is drawn inside: 1: all are; 0: there are none. */
 int64_t pl_picture_stride(const pl_picture *picture);
 
 /** How many states the picture, which may be NULL, shows, and their names. */

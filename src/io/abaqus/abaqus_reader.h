@@ -64,7 +64,7 @@ typedef struct abaqus_set {
     int64_t n, capacity;
     int32_t last_into;          /* 1 + the set that this one was put into last, */
     int64_t last_n;             /* and its number of members then */
-    int is_held, is_of_section; /* its members have been told so */
+    int is_held, is_of_section, is_supported; /* its members have been told so */
 } abaqus_set;
 
 typedef struct abaqus_reader {

@@ -379,12 +379,14 @@ static int mark_supported(abaqus_reader *r, const abaqus_block *b) {
             continue;
         if (node >= 0)
             model->supported[node] = 1;
-        const abaqus_set *set = index >= 0 ? &r->set[index] : NULL;
-        const io_slice name = set ? abaqus_unquoted(set->name) : item;
-        const int64_t n = model->supported_group.n;
-        if (set && !io_names_add(&model->supported_group, name.begin, io_slice_length(name)))
+        abaqus_set *set = index >= 0 ? &r->set[index] : NULL;
+        if (!set || set->is_supported)
+            continue;
+        const io_slice name = abaqus_unquoted(set->name);
+        set->is_supported = 1;
+        if (!io_names_add(&model->supported_group, name.begin, io_slice_length(name)))
             return pl_fail_memory(r->error, "the boundary conditions of the file");
-        for (int64_t m = 0; set && n < model->supported_group.n && m < set->n; m++)
+        for (int64_t m = 0; m < set->n; m++)
             model->supported[set->member[m]] = 1;
     }
     return PLANISH_OK;

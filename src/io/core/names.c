@@ -1,4 +1,4 @@
-/* names: a list of texts, each once, in the order in which they came. */
+/* names: a list of texts for messages, each once, in the order in which they came. */
 #include "io/core/names.h"
 
 #include "base/memory.h"
@@ -9,6 +9,8 @@ int io_names_add(io_names *names, const char *begin, int64_t length) {
     for (int64_t i = 0; i < names->n; i++)
         if (strncmp(names->name[i], begin, (size_t)length) == 0 && !names->name[i][length])
             return 1;
+    if (names->n == IO_MOST_NAMES) /* the search is linear */
+        return 1;
     char *copy = pl_alloc(length + 1, 1);
     char **grown = pl_grow(names->name, names->n, names->n + 2, &names->capacity, sizeof *grown);
     names->name = grown ? grown : names->name;

@@ -1,8 +1,10 @@
-/* names: a list of texts, each once, in the order in which they came. */
+/* names: a list of texts for messages, each once, in the order in which they came. */
 #ifndef PL_IO_CORE_NAMES_H
 #define PL_IO_CORE_NAMES_H
 
 #include <stdint.h>
+
+enum { IO_MOST_NAMES = 1000 };
 
 /** List of names. All 0 is an empty one. */
 typedef struct io_names {
@@ -10,8 +12,8 @@ typedef struct io_names {
     int64_t n, capacity;
 } io_names;
 
-/** Add the length bytes at begin, unless they are there already. Return whether there is memory for
- *  that. */
+/** Add the length bytes at begin, unless they or IO_MOST_NAMES names are there already. Return whether
+ *  there is memory for that. */
 int io_names_add(io_names *names, const char *begin, int64_t length);
 
 /** Return the list, NULL at the end. */

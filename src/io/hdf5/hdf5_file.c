@@ -26,7 +26,7 @@ io_hdf5_path io_hdf5_path_of(io_hdf5 *file, const char *format, ...) {
     return path;
 }
 
-/** What is wrong with a link to another file. */
+/** Text of the error about a link to another file. */
 static const char outside[] = "is a link to another file, which is not followed; make one file of "
                               "them, with h5copy for instance";
 

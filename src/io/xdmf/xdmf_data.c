@@ -93,7 +93,7 @@ static int read_values(xdmf_reader *r, const xdmf_array *array, int64_t n, int64
     return status ? status : xdmf_reals(r, &item, n * *width, *values);
 }
 
-/** What cannot be read is passed over, where it need not be. */
+/** Data that cannot be read are left out, where nothing needs them. */
 static int forgive(xdmf_reader *r, int status) {
     if (status != PLANISH_ERROR_FORMAT && status != PLANISH_ERROR_FILE)
         return status;
