@@ -235,10 +235,11 @@ void pl_page_put_surface(pl_markup *page, const pl_figures *figures) {
 
 /** Put what is not worse than before. */
 static void put_claims(pl_markup *page, const pl_figures *figures) {
-    pl_markup_put(page,
-                  "<div class=\"scroll\"><table><thead><tr><th scope=\"col\">measure that must not "
-                  "get worse</th><th scope=\"col\">before</th><th scope=\"col\">after</th><th "
-                  "scope=\"col\" class=\"word\">promise</th></tr></thead><tbody>\n");
+    pl_markup_put(
+        page,
+        "<div class=\"scroll\"><table class=\"many\"><thead><tr><th scope=\"col\">measure that "
+        "must not get worse</th><th scope=\"col\">before</th><th scope=\"col\">after</th><th "
+        "scope=\"col\" class=\"word\">promise</th></tr></thead><tbody>\n");
     put_claim(page, figures, "inverted elements", "inverted", 1);
     put_claim(page, figures, "worst radius ratio of elements with a movable node",
               "max_radius_ratio_movable", 1);
