@@ -213,7 +213,9 @@ static void check_no_worse(const trial *t, const state_of *was, const state_of *
     expect(t, fabsl(is->f - t->result.objective) <= NOISE * is->f, "F is not what the result says");
     expect(t, fabsl(was->f - t->result.objective_before) <= NOISE * was->f,
            "F was not what the result says");
-    if (c->level[CELLS_LEAST] > 0)
+    const int is_guarded_by_it =
+        c->level[CELLS_OF] < CELLS_TRIANGLES || c->target; /* others by RR */
+    if (c->level[CELLS_LEAST] > 0 || !is_guarded_by_it)
         return;
     expect(t, is->largest <= was->largest * (1 + NOISE), "an element is worse than the worst was");
     if (c->level[CELLS_TARGET] == TARGET_NONE)
@@ -245,8 +247,7 @@ static int is_refused(trial *t, int status, const planish_error *error) {
     if (status == PLANISH_OK)
         return 0;
     expect(t, error->code == status && error->text[0] != '\0', "an error that says nothing");
-    if (status != PLANISH_ERROR_ARGUMENT || getenv("PLANISH_CASE"))
-        complain(t, error->text);
+    complain(t, error->text);
     t->sums->refused++;
     return 1;
 }
@@ -350,8 +351,7 @@ static void random_calls_keep_promises(void **state) {
            (long long)sums.elements, (long long)sums.were_invalid, (long long)sums.repaired,
            (long long)sums.compared, (long long)(all - missing), (long long)all);
     assert_int_equal(sums.broken, 0);
-    assert_true(one || (sums.smoothed > 4 * sums.refused && sums.repaired > 0 &&
-                        sums.compared > sums.smoothed / 10));
+    assert_true(one || (sums.repaired > 0 && sums.compared > sums.smoothed / 10));
 }
 
 /* ---- the judge is judged ---------------------------------------------------------------------------- */

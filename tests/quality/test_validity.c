@@ -133,6 +133,11 @@ static unsigned random_missing(const pl_cell_type *type, uint64_t *random) {
     return missing;
 }
 
+/** The reference element. */
+static void take_reference(int type, points x) {
+    memcpy(x, shape_place(type), (size_t)pl_cell_type_of(type)->n_nodes * sizeof *x);
+}
+
 /* ---- Rules ----------------------------------------------------------------------------------- */
 
 static void shape_functions_are_those_of_the_nodes(void **state) {
@@ -510,15 +515,15 @@ static void elements_of_no_size_are_invalid(void **state) {
 static void flat_corners_are_invalid(void **state) {
     (void)state;
     points x;
-    memcpy(x, HEXAHEDRON, sizeof HEXAHEDRON);
+    take_reference(PLANISH_CELL_HEXAHEDRON, x);
     set(x, 6, 0.5, 0.5, 1); /* in the plane of its neighbours 5, 7 and the corner between */
     expect(PLANISH_CELL_HEXAHEDRON, x, PL_INVALID);
-    memcpy(x, QUADRILATERAL, sizeof QUADRILATERAL);
+    take_reference(PLANISH_CELL_QUADRILATERAL, x);
     set(x, 2, 0.5, 0.5, 0);
     expect(PLANISH_CELL_QUADRILATERAL, x, PL_INVALID);
     set(x, 2, 0.5625, 0.5625, 0);
     expect(PLANISH_CELL_QUADRILATERAL, x, PL_VALID);
-    memcpy(x, TETRAHEDRON, sizeof TETRAHEDRON);
+    take_reference(PLANISH_CELL_TETRAHEDRON10, x);
     set(x, 4, 0.25, 0, 0); /* the derivative at corner 0 is 4 times this less the edge */
     expect(PLANISH_CELL_TETRAHEDRON10, x, PL_INVALID);
     set(x, 4, 0.28125, 0, 0);
@@ -529,7 +534,7 @@ static void flat_corners_are_invalid(void **state) {
 static void collapsed_hexahedra_are_invalid(void **state) {
     (void)state;
     points x;
-    memcpy(x, HEXAHEDRON, sizeof HEXAHEDRON);
+    take_reference(PLANISH_CELL_HEXAHEDRON, x);
     memcpy(x[3], x[2], sizeof x[3]);
     memcpy(x[7], x[6], sizeof x[7]);
     expect(PLANISH_CELL_HEXAHEDRON, x, PL_INVALID);
@@ -561,16 +566,17 @@ static void touching_zero_is_not_valid(void **state) {
     (void)state;
     points x;
     pl_jacobian_rule *rule = rule_of(PLANISH_CELL_HEXAHEDRON);
-    memcpy(x, HEXAHEDRON, sizeof HEXAHEDRON); /* turned by 180 degrees: det J = (1 - 2 t)^2 */
+    take_reference(PLANISH_CELL_HEXAHEDRON, x); /* turned by 180 degrees: det J = (1 - 2 t)^2 */
     for (int i = 4; i < 8; i++)
-        set(x, i, 1 - HEXAHEDRON[i][0], 1 - HEXAHEDRON[i][1], 1);
+        set(x, i, 1 - shape_place(PLANISH_CELL_HEXAHEDRON)[i][0],
+            1 - shape_place(PLANISH_CELL_HEXAHEDRON)[i][1], 1);
     assert_int_not_equal(validity_of(rule, x), PL_VALID);
     x[6][0] += 0x1p-40; /* a little less than that, somewhere */
     assert_int_not_equal(validity_of(rule, x), PL_VALID);
     free(rule);
     rule =
         rule_of(PLANISH_CELL_TRIANGLE6); /* a mid on the opposite side of a line: det J touches 0 */
-    memcpy(x, TRIANGLE, sizeof TRIANGLE);
+    take_reference(PLANISH_CELL_TRIANGLE6, x);
     set(x, 4, 0.25, 0.25, 0);
     assert_int_not_equal(validity_of(rule, x), PL_VALID);
     free(rule);

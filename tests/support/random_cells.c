@@ -2,6 +2,7 @@
 #include "support/random_cells.h"
 
 #include "support/effort.h"
+#include "support/shape_functions.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -92,7 +93,48 @@ static void link_arrays(cell_box *b, int64_t n) {
     b->cells.node = b->node;
 }
 
-static cell_box *box_of(const int *level, uint64_t *state) {
+/** The type of order 1 that has the corners of a type. */
+static int straight(int type) {
+    switch (type) {
+    case PLANISH_CELL_TRIANGLE6:
+        return PLANISH_CELL_TRIANGLE;
+    case PLANISH_CELL_QUADRILATERAL8:
+    case PLANISH_CELL_QUADRILATERAL9:
+        return PLANISH_CELL_QUADRILATERAL;
+    case PLANISH_CELL_TETRAHEDRON10:
+        return PLANISH_CELL_TETRAHEDRON;
+    case PLANISH_CELL_HEXAHEDRON20:
+    case PLANISH_CELL_HEXAHEDRON27:
+        return PLANISH_CELL_HEXAHEDRON;
+    case PLANISH_CELL_WEDGE15:
+    case PLANISH_CELL_WEDGE18:
+        return PLANISH_CELL_WEDGE;
+    default:
+        return type;
+    }
+}
+
+/** Place the mids of an element where its map of order 1 has them. */
+static void place_mids(cell_box *b, int64_t i) {
+    const int type = b->type[i], of = straight(type), dim = b->mesh.dim;
+    const int n = (int)(b->offset[i + 1] - b->offset[i]);
+    const int32_t *node = b->node + b->offset[i];
+    int corners = 0;
+    while (corners < n && shape_place(type)[corners][0] != 0.5 &&
+           shape_place(type)[corners][1] != 0.5 && shape_place(type)[corners][2] != 0.5)
+        corners++;
+    for (int k = corners; of != type && k < n; k++)
+        for (int d = 0; d < dim; d++) {
+            double sum = 0;
+            for (int c = 0; c < corners; c++)
+                sum += shape_value(of, c, shape_place(type)[k]) * b->x[(int64_t)node[c] * dim + d];
+            b->x[(int64_t)node[k] * dim + d] = sum;
+        }
+}
+
+/** Make the box of a call. *regular: its coordinates before nodes are pushed, to be freed; *first: the first
+ *  mid. */
+static cell_box *box_of(const int *level, uint64_t *state, double **regular, int64_t *first) {
     static const cell_box_kind kinds[] = {BOX_QUADRILATERALS, BOX_MIXED_2D, BOX_HEXAHEDRA,
                                           BOX_WEDGES,         BOX_PYRAMIDS, BOX_MIXED,
                                           BOX_QUADRILATERALS, BOX_HEXAHEDRA};
@@ -105,26 +147,32 @@ static cell_box *box_of(const int *level, uint64_t *state) {
         cut(box);
         link_arrays(box, box->cells.n * (is_flat ? 2 : 6));
     }
+    cell_box *result = level[CELLS_ORDER] ? cell_box_raise(box, level[CELLS_ORDER] == 2) : box;
+    const size_t size = (size_t)(result->mesh.n_nodes * result->mesh.dim) * sizeof **regular;
+    *first = box->mesh.n_nodes;
+    *regular =
+        memcpy(zeroed(result->mesh.n_nodes * result->mesh.dim, sizeof **regular), result->x, size);
     if (level[CELLS_SHAKE])
         cell_box_shake(box,
                        level[CELLS_SHAKE] == 1 ? noise[of] * random_unit(state)
                                                : random_between(state, 0.2, 0.7),
                        random_bits(state));
-    if (level[CELLS_ORDER] == 0)
-        return box;
-    cell_box *raised = cell_box_raise(box, level[CELLS_ORDER] == 2);
-    cell_box_destroy(box);
-    return raised;
+    memcpy(result->x, box->x, (size_t)(*first * box->mesh.dim) * sizeof *box->x);
+    for (int64_t i = 0; i < result->cells.n; i++)
+        place_mids(result, i);
+    if (result != box)
+        cell_box_destroy(box);
+    return result;
 }
 
-/** Whether a node is on a side of the box, of n cubes along each side. */
-static void find_outside(cells_call *c) {
+/** Find the nodes on a side of the box, as it was before nodes were pushed. */
+static void find_outside(cells_call *c, const double *regular) {
     const int dim = c->box->mesh.dim;
     double size = 0;
     for (int64_t i = 0; i < c->box->mesh.n_nodes * dim; i++)
-        size = fmax(size, c->box->x[i]);
+        size = fmax(size, regular[i]);
     for (int64_t i = 0; i < c->box->mesh.n_nodes * dim; i++)
-        c->is_outside[i / dim] |= c->box->x[i] == 0 || c->box->x[i] == size;
+        c->is_outside[i / dim] |= regular[i] == 0 || regular[i] == size;
 }
 
 /** Push mids off the middle; first: the first of them. */
@@ -226,27 +274,16 @@ static void draw_target(cells_call *c, const double *regular, uint64_t *state) {
 }
 
 static void draw_mesh(cells_call *c, uint64_t *state) {
-    int level[N_CELLS_FACTORS];
-    uint64_t same = *state;
-    memcpy(level, c->level, sizeof level);
-    level[CELLS_SHAKE] = 0;
-    cell_box *regular = box_of(level, &same);
-    c->box = box_of(c->level, state);
-    const int64_t n = c->box->mesh.n_nodes;
-    c->is_outside = zeroed(n, 1);
-    c->is_held = zeroed(n, 1);
-    find_outside(c);
-    int64_t first = 0; /* corners come first */
-    for (int64_t i = 0; i < c->box->cells.n; i++)
-        for (int k = 0; c->level[CELLS_ORDER] > 0 && k < (c->box->mesh.dim == 2 ? 3 : 4); k++)
-            first = c->box->node[c->box->offset[i] + k] >= first
-                        ? c->box->node[c->box->offset[i] + k] + 1
-                        : first;
-    if (c->level[CELLS_ORDER] > 0 && c->level[CELLS_BEND] > 0)
-        bend(c, c->level[CELLS_OF] == CELLS_PYRAMIDS ? n : first, state);
+    double *regular;
+    int64_t first;
+    c->box = box_of(c->level, state, &regular, &first);
+    c->is_outside = zeroed(c->box->mesh.n_nodes, 1);
+    c->is_held = zeroed(c->box->mesh.n_nodes, 1);
+    find_outside(c, regular);
+    bend(c, first, state);
     if (c->level[CELLS_TARGET] == TARGET_BOX || c->level[CELLS_TARGET] == TARGET_STRETCHED)
-        draw_target(c, regular->x, state);
-    cell_box_destroy(regular);
+        draw_target(c, regular, state);
+    free(regular);
     if (c->level[CELLS_TORN] == 1)
         tear(c->box, state);
     if (c->level[CELLS_TORN] == 2)
@@ -448,6 +485,12 @@ static void draw_scopes(cells_call *c, uint64_t *state) {
 int cells_levels_allowed(int a, int level_a, int b, int level_b) {
     if (a > b)
         return cells_levels_allowed(b, level_b, a, level_a);
+    if (a == CELLS_OF && b == CELLS_WORST)
+        return level_b == 0 || (level_a >= CELLS_TRIANGLES) == (level_b <= PLANISH_WORST_ANGLE);
+    if (a == CELLS_TARGET && b == CELLS_WORST)
+        return level_a == TARGET_NONE || level_b == 0;
+    if (a == CELLS_TARGET && b == CELLS_OBJECTIVE)
+        return level_a == TARGET_NONE || level_b != PLANISH_OBJECTIVE_EDGE_RATIO;
     if (a == CELLS_METHOD && b == CELLS_WORST)
         return level_a == 0 || level_b == 0;
     if (a == CELLS_LEAST && b == CELLS_AREA_WEIGHT)
@@ -460,12 +503,18 @@ int cells_levels_allowed(int a, int level_a, int b, int level_b) {
 }
 
 static void reconcile(int *level) {
-    static const int giving_way[] = {CELLS_WORST, CELLS_AREA_WEIGHT, CELLS_AROUND, CELLS_PERIODIC};
+    static const int giving_way[] = {CELLS_OBJECTIVE, CELLS_WORST, CELLS_AREA_WEIGHT, CELLS_AROUND,
+                                     CELLS_PERIODIC};
+    enum { N_GIVING_WAY = sizeof giving_way / sizeof *giving_way };
+    if (level[CELLS_OF] >= CELLS_TRIANGLES && level[CELLS_WORST] > 0) /* they have other measures */
+        level[CELLS_WORST] = (level[CELLS_WORST] + 1) / 2;
+    else if (level[CELLS_WORST] > 0)
+        level[CELLS_WORST] = (level[CELLS_WORST] + 1) / 2 + 2;
     if (level[CELLS_ORDER] > 0 && level[CELLS_TURNED] == 2)
         level[CELLS_TURNED] = 0;
     if (level[CELLS_ORDER] == 0)
         level[CELLS_BEND] = 0;
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < N_GIVING_WAY; i++)
         for (int a = 0; a < N_CELLS_FACTORS; a++)
             if (!cells_levels_allowed(a, level[a], giving_way[i], level[giving_way[i]]))
                 level[giving_way[i]] = 0;
