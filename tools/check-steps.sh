@@ -1,7 +1,8 @@
 # shellcheck shell=bash
 # check-steps: the parts of tools/check and the count of what passed; sourced by it.
 
-passed=0 failed=0 skipped=0
+passed=0 failed=0 skipped=0 resume=0
+record=build-check/passed
 jobs=$(nproc)
 sample=docs/examples/bracket.msh
 
@@ -11,18 +12,42 @@ alone() {
     [ "$(type -t "$1")" = function ] || echo "   alone: $(printf '%q ' "$@")"
 }
 
+# sources: a name for the sources as they are, committed or not, and for how much of the check is run.
+sources() {
+    { git rev-parse HEAD && git diff HEAD && git ls-files -z --others --exclude-standard | xargs -0r sha256sum &&
+        echo "${full-} ${short-}"; } 2>/dev/null | sha256sum
+}
+
+# begin_record FILE: what passes from now on is added to it. What it has stays if --resume is given and the
+# sources are the same.
+begin_record() {
+    local state
+    state=$(sources) || state="unknown $$"
+    mkdir -p "$(dirname "$1")"
+    [ "$resume" = 1 ] && [ "$(head -n 1 "$1" 2>/dev/null)" = "$state" ] || echo "$state" >"$1"
+}
+
+has_passed() { # NAME: with --resume, before
+    grep -qxF "passed: $1" "$record" 2>/dev/null
+}
+
 # step NAME COMMAND ...: one thing that passes or fails.
 step() {
-    local name=$1
+    local name=$1 begin=$SECONDS
     shift
     echo "== $name"
     alone "$@"
-    if "$@"; then
+    if has_passed "$name"; then
+        echo "   passed before"
+        passed=$((passed + 1))
+    elif "$@"; then
+        echo "passed: $name" >>"$record"
         passed=$((passed + 1))
     else
         failed=$((failed + 1))
         echo "FAILED: $name"
     fi
+    echo "   took $((SECONDS - begin)) s"
 }
 
 # said FILE: what a step that ran side by side with others said, and its exit status; a failure if it
@@ -42,7 +67,9 @@ steps_side_by_side() {
         alone "tools/reliability/$name" --short
     done
     # shellcheck disable=SC2016 # it is for the inner shell
-    printf '%s\n' "$@" | xargs -P "$jobs" -I{} bash -c \
+    for name; do
+        has_passed "tools/reliability/$name --short" || echo "$name"
+    done | xargs -P "$jobs" -I{} bash -c \
         'tools/reliability/{} --short >"$0/{}.log" 2>&1; echo $? >"$0/{}.status"' $folder
     for name; do
         step "tools/reliability/$name --short" said "$folder/$name"
@@ -81,16 +108,25 @@ count() {
 # run_tests FOLDER CTEST-OPTION...: all tests of a tree; adds up the counts. A test that neither
 # passed nor said itself that it cannot run here has failed.
 run_tests() {
-    local folder=$1 report=$1/tests.xml all good out
+    local folder=$1 report=$1/tests.xml log=$1/tests.log all good out before left=() begin=$SECONDS
     shift
     echo "== testing $folder"
     alone ctest --test-dir "$folder" --parallel "$jobs" --output-on-failure "$@"
+    begin_record "$log"
+    before=$(sed -n 's/^.* Test  *#[0-9]*: \([^ ]*\) .* Passed .*/\1/p' "$log" | sort -u)
+    if [ -n "$before" ]; then
+        left=(--exclude-regex "^($(echo "$before" | paste -sd '|'))\$")
+        passed=$((passed + $(echo "$before" | wc -l)))
+        echo "   $(echo "$before" | wc -l) passed before"
+    fi
     rm -f "$report"
-    ctest --test-dir "$folder" --parallel "$jobs" --output-on-failure --output-junit "$PWD/$report" "$@"
+    ctest --test-dir "$folder" --parallel "$jobs" --output-on-failure --output-junit "$PWD/$report" "$@" \
+        "${left[@]}" | tee -a "$log"
+    echo "   took $((SECONDS - begin)) s"
     all=$(count '<testcase ' "$report")
     good=$(count '<testcase .*status="run"' "$report")
     out=$(count '<skipped message="SKIP_' "$report")
-    if [ "${all:-0}" -eq 0 ]; then
+    if [ "${all:-0}" -eq 0 ] && [ -z "$before" ]; then
         echo "FAILED: no test was run in $folder"
         failed=$((failed + 1))
         return 1

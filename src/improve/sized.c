@@ -118,6 +118,26 @@ static void take_mended(sized *s, double part) {
     measure_anew(s);
 }
 
+/** Bring free nodes to places that they may have and that can be stored; where there is none, and nodes that
+ *  slide, back to where the sweep has left them. */
+static void admit(const sized *s) {
+    const planish_plan *plan = s->run->plan;
+    const pl_star_problem *problem = &s->run->problem;
+    const size_t bytes = (size_t)plan->dim * sizeof *s->swept;
+    double *x = plan->scratch.coordinates;
+    for (int64_t i = 0; i < plan->interior.stars.n_stars; i++) {
+        const int64_t node = plan->interior.centre[i], at = node * plan->dim;
+        if (memcmp(x + at, s->swept + at, bytes) != 0 &&
+            !pl_star_admit(problem, (int32_t)node, plan->dim, x + at))
+            memcpy(x + at, s->swept + at, bytes);
+    }
+    for (int64_t i = 0; i < plan->sliding.stars.n_stars; i++) {
+        const int64_t at = plan->sliding.centre[i] * (int64_t)plan->dim;
+        memcpy(x + at, s->swept + at, bytes);
+    }
+    pl_follow(plan, problem);
+}
+
 /** Go where the steps lead, if F is lower there than before the last one; the mesh is measured. */
 static void mix(sized *s) {
     double *x = s->run->plan->scratch.coordinates;
@@ -125,6 +145,7 @@ static void mix(sized *s) {
     const double before = s->latest;
     memcpy(s->swept, x, bytes);
     if (pl_mixing_mix(&s->mixing, s->from, x)) {
+        admit(s);
         measure_anew(s);
         if (is_sound(s) && s->latest < before)
             return;

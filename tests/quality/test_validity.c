@@ -5,6 +5,7 @@
 #include "base/exact.h"
 #include "support/effort.h"
 #include "support/loose_cells.h"
+#include "support/shape_functions.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -23,127 +24,9 @@ static const int TYPES[] = {
     PLANISH_CELL_HEXAHEDRON27,   PLANISH_CELL_WEDGE,          PLANISH_CELL_WEDGE15,
     PLANISH_CELL_WEDGE18,        PLANISH_CELL_PYRAMID,
 };
-enum { N_TYPES = sizeof TYPES / sizeof *TYPES, NODES = PL_CELL_NODES };
+enum { N_TYPES = sizeof TYPES / sizeof *TYPES, NODES = SHAPE_NODES };
 
 typedef double points[NODES][3];
-
-/* ---- Reference elements, by VTK's figures ---------------------------------------------------- */
-
-static const double TRIANGLE[][3] = {{0, 0, 0},  {1, 0, 0},   {0, 1, 0},
-                                     {.5, 0, 0}, {.5, .5, 0}, {0, .5, 0}};
-static const double QUADRILATERAL[][3] = {{0, 0, 0},  {1, 0, 0},  {1, 1, 0},
-                                          {0, 1, 0},  {.5, 0, 0}, {1, .5, 0},
-                                          {.5, 1, 0}, {0, .5, 0}, {.5, .5, 0}};
-static const double TETRAHEDRON[][3] = {{0, 0, 0},   {1, 0, 0},   {0, 1, 0},  {0, 0, 1},
-                                        {.5, 0, 0},  {.5, .5, 0}, {0, .5, 0}, {0, 0, .5},
-                                        {.5, 0, .5}, {0, .5, .5}};
-static const double HEXAHEDRON[][3] = {
-    {0, 0, 0},   {1, 0, 0},   {1, 1, 0},   {0, 1, 0},   {0, 0, 1},   {1, 0, 1},   {1, 1, 1},
-    {0, 1, 1},   {.5, 0, 0},  {1, .5, 0},  {.5, 1, 0},  {0, .5, 0},  {.5, 0, 1},  {1, .5, 1},
-    {.5, 1, 1},  {0, .5, 1},  {0, 0, .5},  {1, 0, .5},  {1, 1, .5},  {0, 1, .5},  {0, .5, .5},
-    {1, .5, .5}, {.5, 0, .5}, {.5, 1, .5}, {.5, .5, 0}, {.5, .5, 1}, {.5, .5, .5}};
-static const double WEDGE[][3] = {{0, 0, 0},   {1, 0, 0},    {0, 1, 0},   {0, 0, 1},  {1, 0, 1},
-                                  {0, 1, 1},   {.5, 0, 0},   {.5, .5, 0}, {0, .5, 0}, {.5, 0, 1},
-                                  {.5, .5, 1}, {0, .5, 1},   {0, 0, .5},  {1, 0, .5}, {0, 1, .5},
-                                  {.5, 0, .5}, {.5, .5, .5}, {0, .5, .5}};
-static const double PYRAMID[][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {.5, .5, .7}};
-
-static const double (*reference(int type))[3] {
-    static const loose_point *const of[] = {TRIANGLE, QUADRILATERAL, TETRAHEDRON,
-                                            PYRAMID,  WEDGE,         HEXAHEDRON};
-    return loose_choose(type, of);
-}
-
-/** Lagrange's polynomial on the line that is 1 at the place at (0, 1/2, 1) and 0 at the others. */
-static double on_line(int order, double at, double t) {
-    if (order == 1)
-        return at > 0.5 ? t : 1 - t;
-    return at < 0.25 ? (1 - t) * (1 - 2 * t) : at < 0.75 ? 4 * t * (1 - t) : t * (2 * t - 1);
-}
-
-/** The same on a simplex; at and t have dim components. */
-static double on_simplex(int order, int dim, const double at[], const double t[]) {
-    double first = 1, first_at = 1, product = 1;
-    for (int d = 0; d < dim; d++) {
-        first -= t[d];
-        first_at -= at[d];
-    }
-    for (int d = -1; d < dim; d++) {
-        const double lambda = d < 0 ? first : t[d], place = d < 0 ? first_at : at[d];
-        if (place > 0.75)
-            product *= order == 1 ? lambda : lambda * (2 * lambda - 1);
-        else if (place > 0.25)
-            product *= 2 * lambda;
-    }
-    return product;
-}
-
-/** Serendipity quadrilaterals and hexahedra, in -1 .. 1. */
-static double serendipity(int dim, const double at[], const double t[]) {
-    double product = 1, sum = 0;
-    int n_middle = 0;
-    for (int d = 0; d < dim; d++) {
-        const double x = 2 * t[d] - 1, place = 2 * at[d] - 1;
-        const int is_middle = place == 0;
-        n_middle += is_middle;
-        product *= is_middle ? 1 - x * x : (1 + x * place) / 2;
-        sum += x * place;
-    }
-    return n_middle > 0 ? product : product * (sum - (dim - 1));
-}
-
-static double shape_function(int type, int node, const double t[3]) {
-    const double *at = reference(type)[node];
-    const int order = pl_cell_type_of(type)->order;
-    switch (type) {
-    case PLANISH_CELL_TRIANGLE:
-    case PLANISH_CELL_TRIANGLE6:
-        return on_simplex(order, 2, at, t);
-    case PLANISH_CELL_TETRAHEDRON:
-    case PLANISH_CELL_TETRAHEDRON10:
-        return on_simplex(order, 3, at, t);
-    case PLANISH_CELL_QUADRILATERAL8:
-        return serendipity(2, at, t);
-    case PLANISH_CELL_HEXAHEDRON20:
-        return serendipity(3, at, t);
-    case PLANISH_CELL_QUADRILATERAL:
-    case PLANISH_CELL_QUADRILATERAL9:
-        return on_line(order, at[0], t[0]) * on_line(order, at[1], t[1]);
-    case PLANISH_CELL_WEDGE:
-    case PLANISH_CELL_WEDGE18:
-        return on_simplex(order, 2, at, t) * on_line(order, at[2], t[2]);
-    case PLANISH_CELL_WEDGE15: {
-        const double flat[2] = {at[0], at[1]}, z = 2 * t[2] - 1, side = 2 * at[2] - 1;
-        const double lambda = on_simplex(1, 2, flat, t);
-        if (side == 0)
-            return lambda * (1 - z * z);
-        if (node >= 6)
-            return on_simplex(2, 2, at, t) * (1 + side * z) / 2;
-        return lambda * (1 + side * z) * (2 * lambda - 1) / 2 - lambda * (1 - z * z) / 2;
-    }
-    case PLANISH_CELL_PYRAMID: { /* collapsed: z is the share of the apex */
-        if (node == 4)
-            return t[2];
-        return on_line(1, at[0], t[0]) * on_line(1, at[1], t[1]) * (1 - t[2]);
-    }
-    default:
-        return on_line(order, at[0], t[0]) * on_line(order, at[1], t[1]) *
-               on_line(order, at[2], t[2]);
-    }
-}
-
-/** Slopes of all shape functions at t. They have degree 2 in each variable at most, so that
- *  differences over a step are exact. */
-static void find_slopes(int type, const double t[3], double slope[NODES][3]) {
-    const pl_cell_type *of = pl_cell_type_of(type);
-    for (int m = 0; m < of->shape->dim; m++) {
-        double after[3] = {t[0], t[1], t[2]}, before[3] = {t[0], t[1], t[2]};
-        after[m] += 0.25;
-        before[m] -= 0.25;
-        for (int i = 0; i < of->n_nodes; i++)
-            slope[i][m] = 2 * (shape_function(type, i, after) - shape_function(type, i, before));
-    }
-}
 
 static double determinant_of(int type, const points x, const double slope[NODES][3]) {
     const pl_cell_type *of = pl_cell_type_of(type);
@@ -160,7 +43,7 @@ static double determinant_of(int type, const points x, const double slope[NODES]
 
 static double determinant_at(int type, const points x, const double t[3]) {
     double slope[NODES][3];
-    find_slopes(type, t, slope);
+    shape_slopes(type, t, slope);
     return determinant_of(type, x, slope);
 }
 
@@ -200,7 +83,7 @@ static void random_element(int type, double push, uint64_t *state, points x) {
     for (int i = 0; i < of->n_nodes; i++)
         for (int d = 0; d < 3; d++)
             x[i][d] = d < of->shape->dim
-                          ? reference(type)[i][d] + push * (2 * random_unit(state) - 1)
+                          ? shape_place(type)[i][d] + push * (2 * random_unit(state) - 1)
                           : 0;
 }
 
@@ -250,6 +133,11 @@ static unsigned random_missing(const pl_cell_type *type, uint64_t *random) {
     return missing;
 }
 
+/** The reference element. */
+static void take_reference(int type, points x) {
+    memcpy(x, shape_place(type), (size_t)pl_cell_type_of(type)->n_nodes * sizeof *x);
+}
+
 /* ---- Rules ----------------------------------------------------------------------------------- */
 
 static void shape_functions_are_those_of_the_nodes(void **state) {
@@ -258,7 +146,7 @@ static void shape_functions_are_those_of_the_nodes(void **state) {
         const pl_cell_type *of = pl_cell_type_of(TYPES[k]);
         for (int i = 0; TYPES[k] != PLANISH_CELL_PYRAMID && i < of->n_nodes; i++)
             for (int j = 0; j < of->n_nodes; j++)
-                assert_true(fabs(shape_function(TYPES[k], i, reference(TYPES[k])[j]) - (i == j)) <
+                assert_true(fabs(shape_value(TYPES[k], i, shape_place(TYPES[k])[j]) - (i == j)) <
                             1e-12);
     }
 }
@@ -354,7 +242,7 @@ static void coefficients_enclose_the_determinant(void **state) {
             }
             assert_true(e.block.least[0] == least);
             for (int c = 0; c < rule->n_corners; c++) {
-                const double value = determinant_at(TYPES[k], x, reference(TYPES[k])[c]);
+                const double value = determinant_at(TYPES[k], x, shape_place(TYPES[k])[c]);
                 assert_true(fabs(e.block.coefficient[rule->corner[c]][0] - scale * value) <
                             1e-9 * scale);
             }
@@ -411,7 +299,7 @@ static void halves_have_the_determinant_at_their_corners(void **state) {
                 }
                 for (int c = 0; c < shape->n_corners; c++) {
                     double t[3];
-                    memcpy(t, reference(TYPES[k])[c], sizeof t);
+                    memcpy(t, shape_place(TYPES[k])[c], sizeof t);
                     place_in_half(shape, s, half, shape->vertex[c][s], t);
                     const double value = scale_of(rule) * determinant_at(TYPES[k], x, t);
                     assert_true(fabs(b[rule->corner[c]] - value) < 1e-9 * scale_of(rule));
@@ -505,7 +393,7 @@ static samples *samples_of(int type) {
         const double t[3] = {i % (N + 1) / (double)N, i / (N + 1) % (N + 1) / (double)N,
                              i / (N + 1) / (N + 1) / (double)N};
         if (is_inside(type, t))
-            find_slopes(type, t, s->slope[s->n++]);
+            shape_slopes(type, t, s->slope[s->n++]);
     }
     return s;
 }
@@ -627,15 +515,15 @@ static void elements_of_no_size_are_invalid(void **state) {
 static void flat_corners_are_invalid(void **state) {
     (void)state;
     points x;
-    memcpy(x, HEXAHEDRON, sizeof HEXAHEDRON);
+    take_reference(PLANISH_CELL_HEXAHEDRON, x);
     set(x, 6, 0.5, 0.5, 1); /* in the plane of its neighbours 5, 7 and the corner between */
     expect(PLANISH_CELL_HEXAHEDRON, x, PL_INVALID);
-    memcpy(x, QUADRILATERAL, sizeof QUADRILATERAL);
+    take_reference(PLANISH_CELL_QUADRILATERAL, x);
     set(x, 2, 0.5, 0.5, 0);
     expect(PLANISH_CELL_QUADRILATERAL, x, PL_INVALID);
     set(x, 2, 0.5625, 0.5625, 0);
     expect(PLANISH_CELL_QUADRILATERAL, x, PL_VALID);
-    memcpy(x, TETRAHEDRON, sizeof TETRAHEDRON);
+    take_reference(PLANISH_CELL_TETRAHEDRON10, x);
     set(x, 4, 0.25, 0, 0); /* the derivative at corner 0 is 4 times this less the edge */
     expect(PLANISH_CELL_TETRAHEDRON10, x, PL_INVALID);
     set(x, 4, 0.28125, 0, 0);
@@ -646,7 +534,7 @@ static void flat_corners_are_invalid(void **state) {
 static void collapsed_hexahedra_are_invalid(void **state) {
     (void)state;
     points x;
-    memcpy(x, HEXAHEDRON, sizeof HEXAHEDRON);
+    take_reference(PLANISH_CELL_HEXAHEDRON, x);
     memcpy(x[3], x[2], sizeof x[3]);
     memcpy(x[7], x[6], sizeof x[7]);
     expect(PLANISH_CELL_HEXAHEDRON, x, PL_INVALID);
@@ -678,16 +566,17 @@ static void touching_zero_is_not_valid(void **state) {
     (void)state;
     points x;
     pl_jacobian_rule *rule = rule_of(PLANISH_CELL_HEXAHEDRON);
-    memcpy(x, HEXAHEDRON, sizeof HEXAHEDRON); /* turned by 180 degrees: det J = (1 - 2 t)^2 */
+    take_reference(PLANISH_CELL_HEXAHEDRON, x); /* turned by 180 degrees: det J = (1 - 2 t)^2 */
     for (int i = 4; i < 8; i++)
-        set(x, i, 1 - HEXAHEDRON[i][0], 1 - HEXAHEDRON[i][1], 1);
+        set(x, i, 1 - shape_place(PLANISH_CELL_HEXAHEDRON)[i][0],
+            1 - shape_place(PLANISH_CELL_HEXAHEDRON)[i][1], 1);
     assert_int_not_equal(validity_of(rule, x), PL_VALID);
     x[6][0] += 0x1p-40; /* a little less than that, somewhere */
     assert_int_not_equal(validity_of(rule, x), PL_VALID);
     free(rule);
     rule =
         rule_of(PLANISH_CELL_TRIANGLE6); /* a mid on the opposite side of a line: det J touches 0 */
-    memcpy(x, TRIANGLE, sizeof TRIANGLE);
+    take_reference(PLANISH_CELL_TRIANGLE6, x);
     set(x, 4, 0.25, 0.25, 0);
     assert_int_not_equal(validity_of(rule, x), PL_VALID);
     free(rule);

@@ -1,0 +1,401 @@
+/* Valid in, valid out, for elements of any type and order: random meshes, each smoothed with all that can
+ * be drawn, and judged in fractions by tests/support/cell_judge.
+ *
+ * PLANISH_CASE=NUMBER does one case alone, and says what it is. Cases are the same whatever ran before
+ * them.
+ */
+#include "support/cell_judge.h"
+#include "support/effort.h"
+#include "support/random_cells.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#ifdef PLANISH_HAVE_GMP
+
+#include "geometry/cell.h"
+
+enum { DESCRIPTION = 2000 };
+
+/* Of ratios in doubles, against long double. */
+#define NOISE 1e-9L
+
+/** What the cases came to. */
+typedef struct tally {
+    pairs seen;
+    int64_t broken, refused, smoothed, elements, were_invalid, repaired, compared, stopped;
+} tally;
+
+/** The mesh at some coordinates; over elements of the mesh's dimension. */
+typedef struct state_of {
+    int64_t n_invalid, n_undecided, n_below;
+    int all_positive; /* corners */
+    long double f,
+        largest; /* RMS and largest AR, of elements with positive corners; of the latter, those
+                               with a node that moves */
+    long double jacobian; /* least of the same */
+    int8_t *valid;        /* [cells] owned */
+} state_of;
+
+typedef struct trial {
+    int64_t number;
+    cells_call *call;
+    planish_plan *plan;
+    planish_result result;
+    double *before, *after; /* [n_nodes][dim] */
+    uint8_t *moves;         /* [n_nodes] has moved */
+    tally *sums;
+} trial;
+
+static void complain(const trial *t, const char *what) {
+    char text[DESCRIPTION];
+    cells_call_describe(t->call, text, sizeof text);
+    print_error("PLANISH_CASE=%lld: %s\n    %s\n", (long long)t->number, what, text);
+    t->sums->broken++;
+}
+
+static void expect(const trial *t, int holds, const char *what) {
+    if (!holds)
+        complain(t, what);
+}
+
+/* ---- the mesh before and after ------------------------------------------------------------------- */
+
+static int counts(const planish_mesh *mesh, int64_t i) {
+    const pl_cell_type *type = pl_cell_type_of(mesh->cells->type[i]);
+    return type && type->shape->dim == mesh->dim && type->type != PLANISH_CELL_LINE;
+}
+
+static int has_moving_node(const trial *t, int64_t i) {
+    const planish_cells *cells = t->call->given.cells;
+    for (int64_t k = cells->offset[i]; k < cells->offset[i + 1]; k++)
+        if (t->moves[cells->node[k]])
+            return 1;
+    return 0;
+}
+
+static double least_of(const cells_call *c, int64_t i) {
+    return c->least && c->least[i] != 0 ? c->least[i] : c->options.min_volume;
+}
+
+static state_of look(const trial *t, const double *x, int all) {
+    const cells_call *c = t->call;
+    const planish_mesh *mesh = &c->given;
+    state_of s = {.all_positive = 1, .jacobian = INFINITY};
+    long double sum = 0;
+    int64_t n = 0;
+    s.valid = calloc((size_t)mesh->cells->n + 1, 1);
+    assert_non_null(s.valid);
+    for (int64_t i = 0; i < mesh->cells->n; i++) {
+        if (!counts(mesh, i))
+            continue;
+        const int valid = cell_judge_validity(mesh, i, x, c->sign[i]);
+        const cell_worth w = cell_judge_worth(mesh, i, x, c->target,
+                                              c->target ? c->options.size_weight : 0, c->sign[i]);
+        s.valid[i] = (int8_t)(valid == 1);
+        s.n_invalid += valid != 1;
+        s.n_undecided += valid < 0;
+        s.all_positive &= w.is_positive;
+        s.n_below += w.volume < 0.997L * least_of(c, i);
+        if (w.is_positive) {
+            sum += w.square;
+            n++;
+        }
+        if (w.is_positive && (all || has_moving_node(t, i))) {
+            s.largest = fmaxl(s.largest, sqrtl(w.square));
+            s.jacobian = fminl(s.jacobian, w.jacobian);
+        }
+    }
+    s.f = n > 0 ? sqrtl(sum / n) : 0;
+    return s;
+}
+
+/** Whether all elements are simplices of order 1: they have radius ratios, which test_random.c judges. */
+static int has_radius_ratios(const cells_call *c) {
+    return c->level[CELLS_OF] >= CELLS_TRIANGLES &&
+           c->options.objective != PLANISH_OBJECTIVE_MEAN_RATIO &&
+           c->level[CELLS_TARGET] == TARGET_NONE;
+}
+
+/** Whether F is the RMS of what the judge knows. */
+static int is_known(const cells_call *c) {
+    const int target = c->level[CELLS_TARGET];
+    return target < TARGET_SIZE && c->options.objective != PLANISH_OBJECTIVE_EDGE_RATIO &&
+           !(c->options.area_weight > 0) && !has_radius_ratios(c);
+}
+
+/* ---- promises ------------------------------------------------------------------------------------ */
+
+static void check_moved(const trial *t, int64_t node) {
+    const cells_call *c = t->call;
+    const planish_options *o = &c->options;
+    const int dim = c->given.dim;
+    const int kind = c->constraint ? c->constraint[node] : PLANISH_CONSTRAINT_FREE;
+    expect(t, kind != PLANISH_CONSTRAINT_FIXED, "a fixed node moved");
+    expect(t, !c->is_held[node], "a node of a line moved");
+    const int follows =
+        c->level[CELLS_ORDER] > 0 && c->constraint; /* a mid, both ends of which slide */
+    expect(t, !c->is_outside[node] || kind >= PLANISH_CONSTRAINT_ON_PLANE || follows,
+           "a node of the boundary moved");
+    for (int d = 0; d < dim; d++) {
+        const double x = t->after[node * dim + d];
+        volatile float narrow = (float)x;
+        const int bounded = c->level[CELLS_ORDER] == 0;
+        expect(t, isfinite(x), "a coordinate is not finite");
+        expect(t, !bounded || x <= o->box_upper[d], "a node is outside of the box");
+        expect(t, !bounded || !o->lower || x >= o->lower[node * dim + d],
+               "a node is below its bound");
+        expect(t, !o->precision || (double)narrow == x || x == t->before[node * dim + d],
+               "a coordinate is no float");
+    }
+}
+
+static void check_nodes(trial *t) {
+    const int dim = t->call->given.dim;
+    int64_t n = 0;
+    for (int64_t i = 0; i < t->call->given.n_nodes; i++) {
+        const double *a = t->before + i * dim, *b = t->after + i * dim;
+        double square = 0;
+        t->moves[i] = memcmp(a, b, (size_t)dim * sizeof *a) != 0;
+        n += t->moves[i];
+        for (int d = 0; d < dim; d++)
+            square += (a[d] - b[d]) * (a[d] - b[d]);
+        if (!t->moves[i])
+            continue;
+        check_moved(t, i);
+        const double far = sqrt(square), limit = t->call->options.max_displacement;
+        expect(t, far <= t->result.max_displacement * (1 + 1e-12),
+               "a node went farther than is said");
+        expect(t,
+               !(limit > 0) || t->call->options.displacement_unit == PLANISH_UNIT_EDGE ||
+                   t->result.n_released_mids > 0 || far <= limit * (1 + 1e-9),
+               "a node went farther than it may");
+    }
+    expect(t, n == t->result.n_moved_nodes, "n_moved_nodes is wrong");
+}
+
+static void check_pairs(const trial *t) {
+    const cells_call *c = t->call;
+    const int dim = c->given.dim;
+    double largest = 0;
+    for (int64_t i = 0; i < c->given.n_nodes * dim; i++)
+        largest = fmax(largest, fabs(t->before[i]));
+    for (int64_t i = 0; i < c->given.n_periodic * dim; i++) {
+        const int64_t a = (int64_t)c->periodic[i / dim * 2] * dim + i % dim;
+        const int64_t b = (int64_t)c->periodic[i / dim * 2 + 1] * dim + i % dim;
+        expect(t,
+               fabs((t->after[a] - t->before[a]) - (t->after[b] - t->before[b])) <=
+                       1e-15 * largest ||
+                   c->level[CELLS_ORDER] > 0,
+               "nodes of a pair moved differently");
+    }
+}
+
+/** Of a mesh that was as it should be. */
+static void check_no_worse(const trial *t, const state_of *was, const state_of *is) {
+    const cells_call *c = t->call;
+    const planish_options *o = &c->options;
+    const double rise = t->result.worst_sweeps > 0 ? 1 + o->worst_rise : 1;
+    expect(t, t->result.objective <= t->result.objective_before * rise * (1 + (double)NOISE),
+           "F is said to have risen");
+    if (!is_known(c))
+        return;
+    t->sums->compared++;
+    expect(t, is->f <= was->f * rise * (1 + NOISE), "F rose");
+    expect(t, fabsl(is->f - t->result.objective) <= NOISE * is->f, "F is not what the result says");
+    expect(t, fabsl(was->f - t->result.objective_before) <= NOISE * was->f,
+           "F was not what the result says");
+    const int is_guarded_by_it =
+        c->level[CELLS_OF] < CELLS_TRIANGLES || c->target; /* others by RR */
+    if (c->level[CELLS_LEAST] > 0 || !is_guarded_by_it)
+        return;
+    expect(t, is->largest <= was->largest * (1 + NOISE), "an element is worse than the worst was");
+    if (c->level[CELLS_TARGET] == TARGET_NONE)
+        expect(t, is->jacobian >= was->jacobian - NOISE, "a scaled Jacobian fell below the least");
+}
+
+static void check_elements(const trial *t) {
+    state_of was = look(t, t->before, 1), is = look(t, t->after, 0);
+    const cells_call *c = t->call;
+    t->sums->elements += c->given.cells->n;
+    t->sums->were_invalid += was.n_invalid;
+    t->sums->repaired += was.n_invalid - is.n_invalid;
+    expect(t, is.n_undecided <= was.n_undecided, "the judge cannot decide an element that moved");
+    expect(t, is.n_invalid <= was.n_invalid, "more elements are invalid");
+    for (int64_t i = 0; i < c->given.cells->n; i++)
+        expect(t, is.valid[i] || !was.valid[i] || (was.n_invalid > 0 && c->options.untangle),
+               "an element became invalid");
+    if (was.n_invalid == 0 && was.all_positive && was.n_below == 0 && c->level[CELLS_LEAST] != 3 &&
+        c->level[CELLS_AROUND] == 0)
+        check_no_worse(t, &was, &is);
+    free(was.valid);
+    free(is.valid);
+}
+
+/* ---- a case --------------------------------------------------------------------------------------- */
+
+/** Whether a status is a refusal; what is refused changes nothing. */
+static int is_refused(trial *t, int status, const planish_error *error) {
+    if (status == PLANISH_OK)
+        return 0;
+    expect(t, error->code == status && error->text[0] != '\0', "an error that says nothing");
+    complain(t, error->text);
+    t->sums->refused++;
+    return 1;
+}
+
+/** Make a plan and smooth from the start; 0 if that is refused. */
+static int smooth(trial *t) {
+    cells_call *c = t->call;
+    planish_error error = {.text = ""};
+    cells_call_rewind(c);
+    t->plan = NULL;
+    if (is_refused(t, planish_plan_create(&c->given, &c->plan_options, &t->plan, &error), &error))
+        return 0;
+    const int status = planish_smooth(t->plan, c->coordinates, &c->options, &t->result, &error);
+    const int refused = is_refused(t, status, &error);
+    planish_plan_destroy(t->plan);
+    cells_call_get(c, t->after);
+    if (refused)
+        expect(t,
+               memcmp(t->before, t->after,
+                      (size_t)(c->given.n_nodes * c->given.dim) * sizeof *t->after) == 0,
+               "an error moved nodes");
+    return !refused;
+}
+
+/** The same call with other threads and another kernel. */
+static void smooth_otherwise(trial *t, uint64_t *state) {
+    static const int threads[] = {1, 2, 3, 5, 8};
+    cells_call *c = t->call;
+    const size_t size = (size_t)(c->given.n_nodes * c->given.dim) * sizeof(double);
+    double *first = malloc(size);
+    assert_non_null(first);
+    memcpy(first, t->after, size);
+    c->options.threads = c->plan_options.threads = threads[random_below(state, 5)];
+    c->options.isa = c->plan_options.isa =
+        random_below(state, 2) ? PLANISH_ISA_PLAIN : PLANISH_ISA_VECTOR;
+    expect(t, smooth(t), "a call is refused with other threads");
+    expect(t, memcmp(first, t->after, size) == 0, "other threads or kernels give other bits");
+    free(first);
+}
+
+static int has_isa(int isa) {
+    static const double x[] = {0, 0, 1, 0, 0, 1};
+    static const int32_t nodes[] = {0, 1, 2};
+    const planish_mesh mesh = {
+        .dim = 2, .n_nodes = 3, .n_elements = 1, .coordinates = x, .elements = nodes};
+    planish_options options;
+    planish_plan *plan;
+    planish_options_init(&options);
+    options.isa = (planish_isa)isa;
+    if (planish_plan_create(&mesh, &options, &plan, NULL))
+        return 0;
+    planish_plan_destroy(plan);
+    return 1;
+}
+
+static void do_case(tally *sums, int64_t number) {
+    uint64_t state = effort_seed((uint64_t)number);
+    int level[N_CELLS_FACTORS];
+    pairs_draw(&sums->seen, &state, level);
+    if (!has_isa(level[CELLS_ISA]))
+        level[CELLS_ISA] = PLANISH_ISA_AUTO;
+    trial t = {.number = number, .call = cells_call_create(level, &state), .sums = sums};
+    const size_t n = (size_t)(t.call->given.n_nodes * t.call->given.dim) + 1;
+    t.before = calloc(n, sizeof *t.before);
+    t.after = calloc(n, sizeof *t.after);
+    t.moves = calloc(n, 1);
+    assert_true(t.before && t.after && t.moves);
+    cells_call_rewind(t.call);
+    cells_call_get(t.call, t.before);
+    if (smooth(&t)) {
+        sums->smoothed++;
+        sums->stopped += t.result.stop == PLANISH_STOP_INTERRUPTED;
+        pairs_note(&sums->seen, t.call->level);
+        check_nodes(&t);
+        check_pairs(&t);
+        if (t.call->options.method == PLANISH_METHOD_PLANISH)
+            check_elements(&t);
+        if (!(t.call->options.time_limit > 0))
+            smooth_otherwise(&t, &state);
+    }
+    free(t.before);
+    free(t.after);
+    free(t.moves);
+    cells_call_destroy(t.call);
+}
+
+static void random_calls_keep_promises(void **state) {
+    (void)state;
+    const char *one = getenv("PLANISH_CASE");
+    const int64_t first = one ? strtoll(one, NULL, 10) : 0;
+    const int64_t n = one ? first + 1 : effort(400 / effort_step(4), 100000);
+    tally sums = {.seen = {N_CELLS_FACTORS, cells_factors, {{{{0}}}}}};
+    int64_t missing = 0;
+    for (int64_t i = first; i < n; i++)
+        do_case(&sums, i);
+    const int64_t all =
+        pairs_count(&sums.seen, cells_levels_allowed, getenv("PLANISH_LONG") != NULL, &missing);
+    figure("random cells: %lld meshes smoothed, %lld refused, %lld stopped, %lld elements, "
+           "%lld invalid, %lld repaired, F compared %lld times, %lld of %lld pairs",
+           (long long)sums.smoothed, (long long)sums.refused, (long long)sums.stopped,
+           (long long)sums.elements, (long long)sums.were_invalid, (long long)sums.repaired,
+           (long long)sums.compared, (long long)(all - missing), (long long)all);
+    assert_int_equal(sums.broken, 0);
+    assert_true(one || (sums.repaired > 0 && sums.compared > sums.smoothed / 10));
+}
+
+/* ---- the judge is judged ---------------------------------------------------------------------------- */
+
+/** A cube whose corners are good but whose inside is not, and the same after so small a change that only
+ *  fractions see it. */
+static void the_judge_sees_what_corners_hide(void **state) {
+    (void)state;
+    cell_box *box = cell_box_create(BOX_HEXAHEDRA, 1);
+    assert_int_equal(cell_judge_validity(&box->mesh, 0, box->x, 1), 1);
+    assert_int_equal(cell_judge_validity(&box->mesh, 0, box->x, -1), 0);
+    /* Along the line between the middles of two sides x = t (1 - t) ... : both ends turn. */
+    double x[24];
+    memcpy(x, box->x, sizeof x);
+    for (int k = 0; k < 3; k++) /* corner 0 comes to the plane of its neighbours */
+        x[box->node[0] * 3 + k] = 1 / 3.0;
+    const cell_worth w = cell_judge_worth(&box->mesh, 0, x, NULL, 0, 1);
+    assert_true(fabsl(w.volume) < 1e-15L);
+    for (int k = 0; k < 3; k++) /* 0.25 + 0.25 + 0.5 = 1: in fractions exactly */
+        x[box->node[0] * 3 + k] = k == 2 ? 0.5 : 0.25;
+    assert_int_equal(cell_judge_validity(&box->mesh, 0, x, 1), 0);
+    x[box->node[0] * 3] = nextafter(0.25, 0);
+    assert_int_equal(cell_judge_worth(&box->mesh, 0, x, NULL, 0, 1).is_positive, 1);
+    cell_box_destroy(box);
+}
+
+#else
+
+static void random_calls_keep_promises(void **state) {
+    (void)state;
+    skip();
+}
+
+static void the_judge_sees_what_corners_hide(void **state) {
+    (void)state;
+    skip();
+}
+
+#endif
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_judge_sees_what_corners_hide),
+        cmocka_unit_test(random_calls_keep_promises),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
