@@ -65,7 +65,7 @@ class Points:
             points: the caller's array of float64 or float32
             dim: number of columns that count
             strides: steps of the array in doubles, by rows and columns; None: any steps
-            writes: the array will change, so that it must be writeable
+            writes: the array will change, so that it must be writable
             name: argument of the caller, for messages
         """
         self._check(points, dim, writes, name)
