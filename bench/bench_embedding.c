@@ -1,10 +1,9 @@
-/* bench_embedding: what a call costs where a mesher makes many small ones.
+/* bench_embedding: cost of a call for a mesher that makes many small calls.
  *
  *   bench_embedding MESH [REPEAT]
  *
- * Tables on standard output: small boxes, each with a plan of its own and again with the same plan;
- * and patches of MESH (tetrahedra) around one node, found from neighbour to neighbour and by
- * passes.
+ * Print two tables. First small boxes, each with its own plan and again with the same plan. Then
+ * patches of MESH (tetrahedra) around one node, found from neighbour to neighbour, and by passes.
  */
 #include "common.h"
 

@@ -9,9 +9,9 @@
  * is; later: the same in the sixth sweep, when most stars have kept their Hessian. First the plain
  * problem of simplices, then that of mean ratios, then the guarded kernel with each objective and a
  * minimum volume that is far away, then with bounds that are far away, and then with nodes that slide
- * on planes. One thread; each figure is the best of the repeats. "check" must be the same for all variants of a
- * problem. bytes_per_star: of the plan, which a visit reads from one end to the other; coordinates,
- * which stars share, come on top.
+ * on planes. One thread; each figure is the best of the repeats. "check" must be the same for all
+ * variants of a problem. bytes_per_star: bytes of the plan that a visit reads, without coordinates,
+ * which stars share.
  */
 #include "base/sum.h"
 #include "common.h"

@@ -1,13 +1,13 @@
-/* bench_machine: what this machine could do, to set beside what the kernels reach, as JSON.
+/* bench_machine: limits of this machine, to compare with the speed of the kernels, as JSON.
  *
  *   bench_machine [THREADS]
  *
  * One core: its clock, as dependent shifts and exclusive ors count it; then additions,
  * multiplications, both in turn, divisions and square roots of packs of four doubles, independent
  * of one another, per cycle. Memory: the sum of two arrays of 128 MB into a third, by 1 and by
- * THREADS threads (all CPUs), in GB/s of what is read and written. Between two cores: how long a
- * line of the cache takes to the other and back, which is four times as long where they have no
- * cache in common. Each figure is the best of several.
+ * THREADS threads (all CPUs), in GB/s of bytes read and written. Between two cores: time of a cache
+ * line to the other core and back, about four times as long without a common cache. Each figure is
+ * the best of several.
  */
 #include "base/memory.h"
 #include "base/parallel.h"

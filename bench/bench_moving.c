@@ -1,10 +1,10 @@
-/* bench_moving: what a step of a moving mesh costs, with one plan for all steps.
+/* bench_moving: cost of a step of a moving mesh, with one plan for all steps.
  *
  *   bench_moving MESH [STEPS]
  *
- * A step bends the boundary like a swinging string and leaves all other nodes where they were. Table on
- * standard output: for steps of a tenth of a mean edge, of a mean edge and of a hundredth of the domain, by
- * threads, the mean over the steps. The mesh is smoothed before.
+ * A step bends the boundary like a swinging string. All other nodes stay. The table on standard output has
+ * steps of a tenth of a mean edge, of a mean edge and of a hundredth of the domain, by threads: means over
+ * the steps. The mesh is smoothed before the first step.
  */
 #include "common.h"
 

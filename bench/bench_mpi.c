@@ -1,5 +1,5 @@
-/* bench_mpi: what a message costs between processes: seconds of latency, bytes per second, and the
- * time of a sum of all. Between the first process and the last one; prints a line of JSON.
+/* bench_mpi: cost of messages between the first process and the last one: latency in seconds, bytes
+ * per second, and the time of a sum over all processes. Prints a line of JSON.
  *
  *   mpirun -n 2 build/bench/bench_mpi
  */

@@ -1,8 +1,8 @@
 # shellcheck shell=bash
-# boxes: the meshes of bench/scaling and bench/phases; sourced by their run, in the root of the project.
-# build_programs NAME builds into build-bench and copies what is measured, so that another build in the
-# same folder meanwhile does no harm; make_box NX NY NZ makes a box of so many tiles of about 100 000
-# tetrahedra and prints its path.
+# boxes: meshes of bench/scaling and bench/phases. Their run sources this file in the root of the project.
+# build_programs NAME builds into build-bench and copies the programs, so that another build in the same
+# folder does no harm. make_box NX NY NZ makes a box of so many tiles of about 100 000 tetrahedra and
+# prints its path.
 # shellcheck source=tools/packages.sh
 . tools/packages.sh
 build=build-bench

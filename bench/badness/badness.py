@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""badness: smooth one mesh from ever worse starts; the work that it takes, as CSV.
+"""badness: smooth one mesh from worse and worse starts; print the work as CSV.
 
    badness.py BUILD MESH.msh OUT.csv
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""boxes: a curved box of quadrilaterals, hexahedra or wedges, whose inner nodes are pushed about.
+"""boxes: a curved box of quadrilaterals, hexahedra or wedges, with inner nodes displaced at random.
 
    boxes.py TYPE N OUT.vtk      TYPE: quad, hex or wedge; N: elements along each side"""
 import sys

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""converge: smooth meshes, displace what comes out by smooth fields, and smooth again.
+"""converge: smooth meshes, displace the results by smooth fields, and smooth again.
 
    converge.py PROGRAMS OUT.csv MESH ...     meshes whose elements of the highest dimension have one type
 

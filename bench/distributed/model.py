@@ -1,4 +1,4 @@
-"""model: from what bench/distributed/run has measured to what more processes would do.
+"""model: predict the time of more processes from the figures of bench/distributed/run.
 
    model.py FOLDER RESULT.json
 

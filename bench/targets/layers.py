@@ -1,5 +1,5 @@
 """layers: twelve layers of prisms that grow from a wall, which is moved or bent while the inside stays
-behind. Heights of layers after smoothing, against those before."""
+behind. Compare the heights of layers after smoothing with those before."""
 import numpy as np
 
 import bases

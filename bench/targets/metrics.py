@@ -1,5 +1,5 @@
-"""metrics: a mesh whose elements are to be a tenth as thin across a wavy line (surface) as along it, and regular
-away from it. How regular they are where lengths are measured so, by numpy and the formula of the metric."""
+"""metrics: wanted are elements ten times as long along a wavy line (surface) as across it, and regular ones away
+from it. Judge the elements with lengths by this metric, by its formula and numpy."""
 import numpy as np
 
 import cells

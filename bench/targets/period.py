@@ -1,5 +1,5 @@
-"""period: a hole that swings about in a mesh, each step smoothed towards the mesh at the start. How far
-nodes are from their start after a period, and after ten."""
+"""period: a hole swings in a mesh, and each step is smoothed towards the mesh at the start. Measure the distance
+of nodes from their start after one period, and after ten."""
 import numpy as np
 
 import bases

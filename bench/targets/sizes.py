@@ -1,5 +1,5 @@
-"""sizes: a mesh whose elements are to be a tenth as large at a circle (a cylinder) as away from it. How far
-their sizes are off, by numpy and the formula of the field, but for the factor that fits best."""
+"""sizes: wanted are elements ten times as small at a circle (a cylinder) as away from it. Measure the error of their
+sizes, up to the best factor, by the formula of the field and numpy."""
 import numpy as np
 
 import bases

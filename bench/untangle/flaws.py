@@ -1,5 +1,4 @@
-"""flaws: plants elements that no position of the free nodes can repair, in a mesh that is valid
-otherwise.
+"""flaws: plant elements that no position of the free nodes can repair in a valid mesh.
 
     ear      a new element glued to a boundary facet, its tip inside instead of outside
     flat     an element of boundary nodes alone, one of them moved through its opposite facet
@@ -8,7 +7,7 @@ otherwise.
              sees all of them
     island   such a fan as a component of its own beside the mesh
 
-And what looks like it but can be repaired, for false reports:
+Others look similar but can be repaired, to detect false reports:
 
     narrow   a free node and fixed ones around it that can be seen from a small place only"""
 import numpy as np

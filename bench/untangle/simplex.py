@@ -1,4 +1,4 @@
-"""simplex: what a mesh of triangles or tetrahedra is made of. points [n][dim], elements
+"""simplex: measures of meshes of triangles or tetrahedra. points [n][dim], elements
 [m][dim + 1] (from 0, oriented so that a valid element has a positive determinant)."""
 from fractions import Fraction
 

@@ -2,9 +2,9 @@
  *
  *   mpicc distributed.c -lplanish -o distributed && mpirun -n 2 ./distributed 60
  *
- * The mesh is a cube of n^3 cells of 6 tetrahedra with its inner nodes off their places, cut into slabs:
- * each process moves the nodes of some planes x = const, and has ghosts of one plane on either side. It
- * prints a checksum of all coordinates: the same for any number of processes. */
+ * The mesh is a cube of n^3 cells of 6 tetrahedra, with displaced inner nodes, cut into slabs. Each process
+ * moves the nodes of some planes x = const, and has ghosts of one plane on either side. The program prints a
+ * checksum of all coordinates. It is the same for any number of processes. */
 #include <mpi.h>
 #include <planish/planish.h>
 
@@ -17,7 +17,7 @@ static int rank, n_ranks, n; /* n: cells in a row */
 static int64_t plane, first, own,
     last;               /* nodes of a plane; numbers: the first one here, the first and */
 static int64_t end;     /* the last of ours; behind the last one here */
-static char *packet[2]; /* what goes to rank - 1 and rank + 1: numbers and values */
+static char *packet[2]; /* messages to rank - 1 and rank + 1: numbers and values */
 static MPI_Request request[2];
 static int n_requests;
 static int64_t value_size;
@@ -32,7 +32,8 @@ static int largest(int64_t *values, int count, void *user) {
     return MPI_Allreduce(MPI_IN_PLACE, values, count, MPI_INT64_T, MPI_MAX, MPI_COMM_WORLD);
 }
 
-/** Ours are ghosts of rank - 1 in our first plane, and of rank + 1 in our last. */
+/** Send the values of our nodes: those of the first plane are ghosts of rank - 1, those of the last plane of
+ *  rank + 1. */
 static int send_values(const int32_t *node, int64_t count, const void *values, int64_t size,
                        void *user) {
     (void)user;

@@ -1,12 +1,12 @@
-/* swing: a cylinder swings across a channel, and the mesh of the channel follows. One plan, a call a step.
+/* swing: a cylinder swings across a channel, and the mesh of the channel follows. One plan, one call for each step.
  *
  *   cc -O2 swing.c -o swing $(pkg-config --cflags --libs planish) -lm
  *   ./swing [STEPS] [RAYS] >swing.csv
  *
- * A step moves the nodes of the cylinder by up to several elements and leaves all others where they were, so
- * that elements turn over. planish_smooth untangles and smooths in place. A line of the table is a step: time
- * in swings, elements that the step turned over and that are left, the worst radius ratio and the RMS after
- * the call, the RMS that the first mesh has if it is smoothed for this place, sweeps, and seconds. */
+ * A step moves the nodes of the cylinder by up to several elements. All other nodes stay, so that elements
+ * turn over. planish_smooth untangles and smooths in place. Each line of the table is a step: time in swings,
+ * inverted elements before and after the call, worst radius ratio and RMS after the call, RMS of the first
+ * mesh smoothed for this position, sweeps, and seconds. */
 #include <planish/planish.h>
 
 #include <math.h>
@@ -15,8 +15,8 @@
 
 #define LENGTH 4.0 /* of the channel */
 #define HEIGHT 2.0
-#define RADIUS 0.25 /* of the cylinder, which begins in the middle at x = 1 */
-#define REACH  0.6  /* how far it swings to each side */
+#define RADIUS 0.25 /* of the cylinder, which starts in the middle at x = 1 */
+#define REACH  0.6  /* amplitude of the swing, to each side */
 
 enum { STEPS_OF_A_SWING = 50 };
 
@@ -27,7 +27,7 @@ typedef struct channel {
     int32_t *triangles;
 } channel;
 
-/** Find the point of the walls that a ray goes to: equal steps once around, from a corner on. */
+/** Find the end of a ray on the walls. Ends are equally spaced around the channel, beginning at a corner. */
 static void find_wall(int ray, int rays, double xy[2]) {
     double s = 2 * (LENGTH + HEIGHT) * ray / rays;
     const int side = s < LENGTH ? 0 : s < LENGTH + HEIGHT ? 1 : s < 2 * LENGTH + HEIGHT ? 2 : 3;

@@ -2,9 +2,9 @@
  * interior nodes.
  *
  * The caller owns all arrays; the library changes coordinates in place. It prints nothing and
- * installs no signal handler. It keeps no global state, except hwloc's view of the machine if
- * threads are bound, and reads no environment variables, except those of hwloc and OpenMP. Two
- * threads may work on two plans at the same time; one plan serves one thread at a time.
+ * installs no signal handler. Its only global state is hwloc's view of the machine, if threads are
+ * bound. Only hwloc and OpenMP read environment variables. Two threads may work on two plans at the
+ * same time; one plan serves one thread at a time.
  *
  * Error convention: functions return 0 on success and a negative planish_status on failure; then
  * *error (may be NULL) says what and where, and outputs are untouched unless stated otherwise. Success
@@ -350,16 +350,16 @@ typedef struct planish_slide_info {
  *  the boundary or of interfaces between regions, and nodes within straight edges between such pieces.
  *  Fill constraint [n_nodes] and direction [n_nodes][dim] for planish_mesh.
  *  - A node that mesh->constraint does not call FREE keeps its constraint (NULL: all nodes are FREE).
- *  - Nodes of the surface that cannot slide become FIXED: nodes of interfaces, nodes of tagged facets
- *    and edges that the mesh does not have, and nodes at the place of another node (as where parts
- *    side by side have the nodes between them twice).
+ *  - Nodes of the surface that cannot slide become FIXED. So do nodes of interfaces that cannot slide,
+ *    nodes of tagged facets and edges that the mesh does not have, and nodes at the place of another
+ *    node (for example where two parts each have the nodes between them).
  *  - With mesh->cells these become FIXED, too: corners that cells hold, ends of a curved edge of the
  *    surface, and corners of a triangle that such an edge makes curved. An edge is curved if its mid
  *    is off the middle by more than tolerance. Mids keep their constraints.
- *  - With surface->shape a node becomes ON_PATCH or ON_CURVE instead of FIXED if it is so on the shape
- *    and only curved facets or edges hold it. Second-order facets and edges need a shape with mids
- *    (planish_shape_info), facets between regions need slide_interfaces. Nodes where facets of first
- *    and second order meet become FIXED.
+ *  - With surface->shape a node that only curved facets or edges hold becomes ON_PATCH or ON_CURVE
+ *    instead of FIXED, if it lies on a patch or curve of the shape. Second-order facets and edges
+ *    need a shape with mids (planish_shape_info), facets between regions need slide_interfaces.
+ *    Nodes where facets of first and second order meet become FIXED.
  *  surface and info may be NULL. threads: as in planish_options. Errors: _ARGUMENT (also a shape of
  *  another number of nodes), _MESH, _MEMORY. */
 PLANISH_API int planish_find_slides(const planish_mesh *mesh, const planish_surface *surface,
@@ -473,12 +473,12 @@ typedef struct planish_cell_array {
 PLANISH_API int planish_region_name(const char *name);
 
 /** Find the arrays that tell regions (docs/algorithm.md, "Regions"): is_region of each of arrays
- *  [n_arrays] becomes 1 or 0. An array tells regions if all of its values are whole numbers within
- *  64 bits, if two of them differ at least, and if at most half of the facets between two elements
- *  lie between different values. Its name may decide (planish_region_name): an array of -1 does not
- *  tell regions; of the arrays above 0 the one with the lowest number does if its values differ. The
- *  mesh's coordinates are not used. threads: as in planish_options. Errors, with arrays untouched:
- *  _ARGUMENT, _MESH, _MEMORY, _PARTS (mesh->part: ask for the whole mesh). */
+ *  [n_arrays] becomes 1 or 0. An array tells regions under three conditions: all its values are
+ *  whole numbers within 64 bits, at least two values differ, and at most half of the facets between
+ *  two elements lie between different values. Its name may decide (planish_region_name): an array
+ *  of -1 does not tell regions; of the arrays above 0 the one with the lowest number does if its
+ *  values differ. The mesh's coordinates are not used. threads: as in planish_options. Errors, with
+ *  arrays untouched: _ARGUMENT, _MESH, _MEMORY, _PARTS (mesh->part: ask for the whole mesh). */
 PLANISH_API int planish_find_regions(const planish_mesh *mesh, planish_cell_array *arrays,
                                      int n_arrays, int threads, planish_error *error);
 
@@ -507,17 +507,17 @@ PLANISH_API int planish_find_interfaces(const planish_mesh *mesh, const int32_t 
  * elements are thin on purpose, and smoothing would make them regular. The shortest edge of a
  * simplex in a layer is at most a quarter of its longest edge. The shortest edges of neighbouring
  * elements are parallel to it, and some of these elements lie beside it in the layer. Slivers,
- * elements that are bad by chance, and slices around an axis do not count. Elements of the rows
- * above and below belong to the layer as long as their shortest edge continues across the layer and
- * is shorter than their other edges by a factor of 1.2. In a mesh that is stretched everywhere in
+ * elements that are bad by chance, and slices around an axis do not count. The rows above and below
+ * belong to the layer while the shortest edge of their elements continues across the layer. This
+ * edge must be shorter than the other edges by a factor of 1.2. In a mesh that is stretched everywhere in
  * one direction, all simplices that are thin in that direction count (docs/algorithm.md).
- * Of mesh->cells, wedges, hexahedra and quadrilaterals of order 1 and 2 count, too: the edges
- * between the triangles of a wedge, or one family of parallel edges of the others, are at most a
- * quarter of all other edges. These elements are valid with a scaled Jacobian of at least 0.3. Their
- * rows continue along the layer, up to 16 elements, over valid elements with a factor of 1.2, and
- * across the layer over valid elements that lean. A layer does not count if it has fewer than 8
- * elements, or if it touches more than one badly shaped element per twenty of its own elements;
- * elements that are stacked on the layer are not among these.
+ * Of mesh->cells, wedges, hexahedra and quadrilaterals of order 1 and 2 count, too. The short edges
+ * of such an element are those between the triangles of a wedge, or one family of parallel edges of
+ * the others. They are at most a quarter of all other edges, and the element is valid with a scaled
+ * Jacobian of at least 0.3. Rows continue along the layer, up to 16 elements, over valid elements
+ * with a factor of 1.2. They continue across the layer over valid elements that lean. A layer does
+ * not count if it has fewer than 8 elements. Nor does it if it touches more than one badly shaped
+ * element per twenty of its own; elements stacked on the layer are not among these.
  * is_layer [n_elements] is filled with 0 or 1; *n_layer (may be NULL) counts the ones. The call
  * costs little where few elements are thin. threads: as in planish_options. Errors: _ARGUMENT,
  * _MESH, _MEMORY, _PARTS (mesh->cells and part). */
@@ -637,20 +637,19 @@ typedef struct planish_progress {
  */
 typedef int planish_progress_fn(const planish_progress *progress, void *user);
 
-/** Say where a node that slides on a surface may be. point [dim] is somewhere near it: change it to
- *  the nearest place that the node may have. Fill direction [dim], of any length but 0, with
+/** Project a node that slides onto its surface. point [dim] is near the surface: change it to the
+ *  nearest place that the node may have. Fill direction [dim], of any length but 0, with
  *  - the surface's normal there, and return PLANISH_CONSTRAINT_ON_PLANE
  *  - or the curve's direction there, and return PLANISH_CONSTRAINT_ON_LINE
  *  - or nothing, and return PLANISH_CONSTRAINT_FIXED: the node may not be near there.
- *  Called from several threads at a time; the same bits on any number of them need answers that
- *  depend on node and point alone. */
+ *  Called from several threads at a time. Answers must depend on node and point alone, or the bits of
+ *  the result depend on the number of threads. */
 typedef planish_constraint planish_project_fn(int64_t node, double *point, double *direction,
                                               void *user);
 
 /** Return the number nearest to value that can be stored, for example in a field of text with few
  *  digits. round(round(x)) is round(x), and round(x) <= round(y) for x <= y. Called from several
- *  threads at a time; the same bits on any number of them need answers that depend on value alone.
- */
+ *  threads at a time. Answers must depend on value alone. */
 typedef double planish_round_fn(double value, void *user);
 
 /** Source of a plan's memory; by default the system's. Any of the threads that work for the plan
@@ -776,10 +775,9 @@ PLANISH_API void planish_options_init_sized(planish_options *options, size_t siz
 /* ---- Another surface ------------------------------------------------------------------------ */
 
 /** Fit of the surface of a mesh of solids to another surface, made of other triangles: the place of each
- *  node there. A node of a patch belongs where the other surface is nearest and faces the same way, a
- *  node of
- *  a curve on a curve, a corner at a corner. If no curve or corner is in reach, the node belongs on a
- *  patch, and stays there. */
+ *  node there. A node of a patch belongs at the nearest point of the other surface that faces the same
+ *  way. A node of a curve belongs on a curve, a corner at a corner. If no curve or corner is in reach,
+ *  the node belongs on a patch, and stays there. */
 typedef struct planish_fit planish_fit;
 
 typedef struct planish_fit_info {
@@ -795,12 +793,10 @@ typedef struct planish_fit_info {
 } planish_fit_info;
 
 /** Find the places of the boundary nodes of mesh on the shape onto. mesh has solids of order 1, and
- *  shape is
- *  its shape. onto is made from other triangles (planish_shape_create of a mesh of faces, or of another
- *  mesh
- *  of solids). Keep both shapes as long as fit. reach: largest distance of a node from its place, in mean
- *  lengths of its edges; 0: 3. options (NULL: defaults): threads, precision, round. Nodes that
- *  mesh->constraint calls FIXED stay. info may be NULL.
+ *  shape is its shape. onto is made from other triangles (planish_shape_create of a mesh of faces,
+ *  or of another mesh of solids). Keep both shapes as long as fit. reach: largest distance of a
+ *  node from its place, in mean lengths of its edges; 0: 3. options (NULL: defaults): threads,
+ *  precision, round. Nodes that mesh->constraint calls FIXED stay. info may be NULL.
  *  Errors: _ARGUMENT (elements of order 2, periodic pairs, a plane mesh), _MESH (a wrong node number or
  *  coordinate; no node is in reach), _MEMORY, _PARTS. */
 PLANISH_API int planish_fit_create(const planish_mesh *mesh, const planish_shape *shape,
@@ -961,8 +957,8 @@ typedef struct planish_spread {
 /** Quality of a mesh. Definitions and sources: docs/measures.md. Ratios and angles are over the
  *  valid elements (positive measure). Here and in planish_result a movable node is a node that is
  *  free or slides.
- *  In a mixed mesh AR stands for RR, and an element is valid if all its corners are positive
- *  (planish_measure_cells decides whether it is so inside, too). mean_ratio is 1 / AR,
+ *  In a mixed mesh fields of RR have AR, and an element is valid if all its corners are positive
+ *  (planish_measure_cells decides whether it is valid inside, too). mean_ratio is 1 / AR,
  *  scaled_jacobian the least of the corners. Volumes are means of the corners: exact but for
  *  hexahedra and wedges that are not parallelepipeds or prisms. Angles, circumradius_to_edge and
  *  edge_to_inradius are 0, as their counts are. */
@@ -1018,12 +1014,12 @@ PLANISH_API int planish_measure(const planish_plan *plan, const double *coordina
 PLANISH_API int planish_measure_elements(const planish_plan *plan, const double *coordinates,
                                          double *radius_ratio, planish_error *error);
 
-/** Find the elements that a solver may reject: those whose measure at coordinates [n_nodes][dim]
- *  (or as the mesh's strides say) in the listed order of their nodes has the other sign than most
- *  elements'. Signs are exact. An element of measure 0 has none. If both signs are equally
- *  frequent, the positive one counts as that of most elements. A mesh that is mirrored as a whole
- *  has no reversed elements. In a mixed mesh most elements are those of the same shape; an element
- *  with corners of both signs has none.
+/** Find the reversed elements, which a solver may reject. The measure of an element at coordinates
+ *  [n_nodes][dim] (or as the mesh's strides say), in the listed order of its nodes, has a sign. An
+ *  element is reversed if its sign is not that of most elements. Signs are exact. An element of
+ *  measure 0 has none. If both signs are equally frequent, the positive one counts as that of most
+ *  elements. A mesh that is mirrored as a whole has no reversed elements. In a mixed mesh most
+ *  elements are those of the same shape; an element with corners of both signs has none.
  *  The library never renumbers elements: smoothing can repair an inverted element whose nodes are
  *  listed in the wrong order, and the element is reversed from then on.
  *  reversed [n_elements] (may be NULL) is filled with 0 or 1. *n (may be NULL) counts the ones; for
@@ -1095,13 +1091,13 @@ typedef struct planish_cell_values {
 } planish_cell_values;
 
 /** Measure the elements of mesh, of any types (mesh->cells) or simplices alone; those of dimension
- *  mesh->dim count. rounding: distance, in units of the coordinates, by which a node of an element
- *  that is not curved may be off the middle of its corners; 1e-6 of the longest edge is always
+ *  mesh->dim count. rounding: largest distance, in units of the coordinates, of a node from the
+ *  middle of its corners in an element that counts as straight; 1e-6 of the longest edge is always
  *  allowed. threads: as in planish_options. values (may be NULL) are filled. With mesh->reference
- *  AR is against the shapes there, of elements of order 2 by their corners; all other measures are
- *  as without, and every corner of an element must be positive there. With mesh->metric, AR is that of
- *  the elements where lengths are measured by it. On failure quality is as
- *  before, and values are unspecified. Errors: _ARGUMENT, _MESH, _MEMORY, _PARTS (mesh->part). */
+ *  AR compares elements with their shapes there, of order 2 by their corners. Every corner must be
+ *  positive there, and all other measures are as without reference. With mesh->metric AR measures
+ *  lengths by the metric. On failure quality is as before, and values are unspecified. Errors:
+ *  _ARGUMENT, _MESH, _MEMORY, _PARTS (mesh->part). */
 PLANISH_API int planish_measure_cells(const planish_mesh *mesh, double rounding, int threads,
                                       planish_cell_quality *quality,
                                       const planish_cell_values *values, planish_error *error);
@@ -1109,9 +1105,8 @@ PLANISH_API int planish_measure_cells(const planish_mesh *mesh, double rounding,
 /* ---- Sizes ---------------------------------------------------------------------------------- */
 
 /** Sizes of elements compared with planish_mesh.size or metric. The size of an element is the edge
- *  length of
- *  the ideal element of the same measure; for cells it is the mean of this length over the corners. With
- *  a metric, lengths are measured by the metric, and the wanted size is 1. */
+ *  length of the ideal element of the same measure; for cells it is the mean of this length over the
+ *  corners. With a metric, lengths are measured by the metric, and the wanted size is 1. */
 typedef struct planish_size_quality {
     int64_t n_elements;        /* that have a size: all but flat ones */
     double factor;             /* factor on the given sizes with which the domain would hold the
@@ -1122,20 +1117,17 @@ typedef struct planish_size_quality {
     double reserved[2];
 } planish_size_quality;
 
-/** Compare the sizes of the elements of mesh with mesh->size or mesh->metric, which are given at the
- *  places of
- *  the nodes in mesh->reference (NULL: in mesh->coordinates). ratio [n_elements] (may be NULL) is filled
- *  with size /
- *  (factor * wanted), 0 for elements that do not count. threads: as in planish_options. Errors:
- *  _ARGUMENT, _MESH, _MEMORY, _PARTS. */
+/** Compare the sizes of the elements of mesh with mesh->size or mesh->metric. These are given at
+ *  the nodes in mesh->reference (NULL: in mesh->coordinates). ratio [n_elements] (may be NULL) is
+ *  filled with size / (factor * wanted), 0 for elements that do not count. threads: as in
+ *  planish_options. Errors: _ARGUMENT, _MESH, _MEMORY, _PARTS. */
 PLANISH_API int planish_measure_sizes(const planish_mesh *mesh, int threads,
                                       planish_size_quality *quality, double *ratio,
                                       planish_error *error);
 
-/** Fill size [n_nodes] with the sizes that mesh has: at each node the mean of its elements that are not
- *  flat, of all elements where there are none. As
- *  planish_mesh.size they make smoothing keep the sizes of a mesh where they are. Errors: as of
- *  planish_measure_sizes. */
+/** Fill size [n_nodes] with the sizes of mesh: at each node the mean size of its elements that are not
+ *  flat, or of all such elements if the node has none. With these as planish_mesh.size, smoothing keeps
+ *  the sizes of a mesh where they are. Errors: as of planish_measure_sizes. */
 PLANISH_API int planish_find_sizes(const planish_mesh *mesh, int threads, double *size,
                                    planish_error *error);
 
@@ -1182,9 +1174,9 @@ typedef struct planish_result {
     double worst_after; /* the same measure at the end */
     int64_t evaluations; /* of the function of a star, with or without derivatives */
     /* With a minimum volume, bounds or an objective other than the default: first-order optimality
-       at the end, over the nodes whose stars are feasible; else 0. P is the projection of -grad f
-       on the directions that no active constraint forbids, f the function of the node's star, h the
-       star's size: |P| h / f is about the relative fall of f that a move by h still promises. */
+       at the end, over the nodes whose stars are feasible; else 0. f is the function of the node's
+       star, h the star's size, P the projection of -grad f on the directions that no active
+       constraint forbids: |P| h / f is about the relative fall of f that a move by h promises. */
     double kkt_residual;   /* largest |P| h / f of a node; not a number if no star is feasible */
     double kkt_rms;        /* root mean square of these */
     double max_multiplier; /* largest Lagrange multiplier of a g = 1 - V/delta, in units of F */
@@ -1215,9 +1207,8 @@ typedef struct planish_result {
  *    inverted elements stays valid. Without untangling no valid element becomes inverted. Untangling
  *    may invert others, but repairs more.
  *  - In a mesh without inverted elements no element gets a worse RR (AR) than the worst element with
- *    a movable node had, nor (with RR alone as objective) a smaller angle, dihedral in 3-D; in a
- *    mixed mesh no corner gets a smaller scaled Jacobian. Bringing elements above their minimum
- *    volume may cost both.
+ *    a movable node had. With RR alone as objective, none gets a smaller angle (dihedral in 3-D); in
+ *    a mixed mesh no corner gets a smaller scaled Jacobian. Minimum volumes may break these promises.
  *  - F never rises once no element is inverted or below its minimum volume. Only options.worst may
  *    raise F, by at most worst_rise of the value that F had converged to.
  *  - The bits are the same for any number of threads, isa and compiler (gcc and clang are tested).
@@ -1237,41 +1228,37 @@ PLANISH_API int planish_smooth(planish_plan *plan, double *coordinates,
 
 /** Smooth coordinates [n_nodes][3] (or as the mesh's strides say) of a mesh that is a surface in space:
  *  mesh->cells has triangles and quadrilaterals, and no solids. Nodes move along options->shape, which
- *  was made of the same cells: as mesh->constraint says, where that is FREE or NULL as the shape does.
+ *  was made of the same cells. mesh->constraint says how; where it is FREE or NULL, the shape says.
  *
- *  Lowered is the RMS of AR (RR of a mesh of triangles alone) over the elements. Promised:
- *  - Each facet stays within options->surface_tolerance of the shape, proved (planish_measure_shape says
- *    how far the whole is off, both ways). Curves and corners stay what they are; nodes go along curves.
- *  - No facet turns by more than 60 degrees from where it was first, nor do smooth edges bend above
- *    40 degrees, or further if they do so already.
+ *  The objective F is the RMS of AR (RR of a mesh of triangles alone) over the elements. Promised:
+ *  - Each facet stays within options->surface_tolerance of the shape, proved (planish_measure_shape
+ *    measures the whole surface, both ways). Corners stay, and nodes of curves move along their curves.
+ *  - No facet turns by more than 60 degrees from its first direction. No smooth edge bends above 40
+ *    degrees, nor further if it does so at the start.
  *  - No element gets a worse AR (RR), or a smaller angle (scaled Jacobian), than the worst element with a
  *    movable node had.
- *  - F never rises, but for options->worst, by worst_rise at most.
- *  - No facet comes to cross another one: where some would the run begins anew and holds their nodes. The
- *    fourth time nothing moves, nor if the caller stops a run in which some do.
+ *  - F never rises. Only options->worst may raise it, by at most worst_rise.
+ *  - No facet comes to cross another one. If some would, the run begins anew and holds their nodes. If
+ *    some still would in the fourth run, or in a run that the caller stops, nothing moves.
  *  - The bits are the same for any number of threads.
  *  Nodes of elements of order 2 stay. Elements that have turned over against the shape stay as they are,
  *  and so do their nodes.
  *
- *  options: as for planish_plan_create and planish_smooth; minimum volumes, methods of averages and
- *  PLANISH_OBJECTIVE_EDGE_RATIO are not for surfaces, and isa, bind and search mean nothing. worst: of
- *  triangles RADIUS_RATIO or ANGLE, else ASPECT_RATIO or SCALED_JACOBIAN. result may be NULL. Errors:
+ *  options: as for planish_plan_create and planish_smooth. Minimum volumes, Laplacian methods and
+ *  PLANISH_OBJECTIVE_EDGE_RATIO are errors; isa, bind and search have no effect. worst: for triangles
+ *  RADIUS_RATIO or ANGLE, else ASPECT_RATIO or SCALED_JACOBIAN. result may be NULL. Errors:
  *  _ARGUMENT, _MESH, _MEMORY, _PARTS; coordinates are then untouched. */
 PLANISH_API int planish_smooth_surface(const planish_mesh *mesh, double *coordinates,
                                        const planish_options *options, planish_result *result,
                                        planish_error *error);
 
-/** Measure mesh->coordinates of a mesh that is a surface in space, whose elements shape was made of:
- *  areas,
- *  angles and ratios of the elements, each in its own plane. Movable are nodes as in
- *  planish_smooth_surface,
- *  inverted elements without area and those that have turned over against the shape. quality: as of
- *  planish_measure for a mesh of these elements in the plane. ratio [n_elements] (may be NULL): RR, of a
- *  mesh
- *  with quadrilaterals AR, 0 of inverted elements. cells and values (may be NULL): as of
- *  planish_measure_cells,
- *  with elements of order 2 by their corners. threads: as in planish_options. Errors: _ARGUMENT, _MESH,
- *  _MEMORY, _PARTS; all is then untouched but values. */
+/** Measure mesh->coordinates of a surface in space: areas, angles and ratios of the elements, each in its
+ *  own plane. shape was made of the same elements. Movable nodes are those of planish_smooth_surface.
+ *  An element is inverted if it has no area, or has turned over against the shape. quality: as of
+ *  planish_measure for such elements in a plane. ratio [n_elements] (may be NULL): RR, with
+ *  quadrilaterals AR; 0 for inverted elements. cells and values (may be NULL): as of
+ *  planish_measure_cells, with elements of order 2 by their corners. threads: as in planish_options.
+ *  Errors: _ARGUMENT, _MESH, _MEMORY, _PARTS; all outputs but values are then untouched. */
 PLANISH_API int planish_measure_surface(const planish_shape *shape, const planish_mesh *mesh,
                                         int threads, planish_quality *quality, double *ratio,
                                         planish_cell_quality *cells,
@@ -1287,10 +1274,10 @@ typedef enum planish_volume_state {
 } planish_volume_state;
 
 /** Compare the elements of coordinates [n_nodes][dim] with their minimum volumes: those of options
- *  (NULL: defaults) and of the plan's mesh. In a mixed mesh the volume of an element here is the least
- *  that a parallelepiped, prism or pyramid with one of its corners has. state [n_elements] (may be
- *  NULL) is filled with planish_volume_state; elements that a plan with options.around does not know
- *  are MET. *n_below counts the elements that are not MET.
+ *  (NULL: defaults) and of the plan's mesh. In a mixed mesh each corner of an element has the
+ *  volume of the parallelepiped, prism or pyramid with its edges; here the least one counts. state
+ *  [n_elements] (may be NULL) is filled with planish_volume_state; elements that a plan with
+ *  options.around does not know are MET. *n_below counts the elements that are not MET.
  *
  *  The search for proofs that elements are infeasible takes long around nodes with thousands of
  *  elements. Limits of options end it: time_limit in seconds of this call, and progress, which is
@@ -1314,11 +1301,11 @@ PLANISH_API int planish_check_volumes(const planish_plan *plan, const double *co
  *  - with options.curve_quality the curved triangles and tetrahedra of planish_result.n_hopeless, by
  *    det J at points.
  *
- *  infeasible [n_elements] (may be NULL) is filled with 0 or 1; *n counts the ones. Nothing is said of
- *  elements that are merely hard, or that a plan with options.around does not know. options (NULL:
- *  defaults) limit the search as in
- *  planish_check_volumes, and *n_undecided (may be NULL) counts the inverted elements that it left.
- *  Errors: _ARGUMENT, _MESH, _MEMORY; all outputs are then untouched. */
+ *  infeasible [n_elements] (may be NULL) is filled with 0 or 1; *n counts the ones. The value is 0
+ *  for elements without a proof, and for those that a plan with options.around does not know.
+ *  options (NULL: defaults) limit the search as in planish_check_volumes, and *n_undecided (may be
+ *  NULL) counts the inverted elements that it left. Errors: _ARGUMENT, _MESH, _MEMORY; all outputs
+ *  are then untouched. */
 PLANISH_API int planish_find_infeasible(const planish_plan *plan, const double *coordinates,
                                         const planish_options *options, uint8_t *infeasible,
                                         int64_t *n, int64_t *n_undecided, planish_error *error);

@@ -34,8 +34,8 @@ extern "C" {
 
 /** A mesh file that has been read. The file should not change while it is open: if it does,
  *  planish_file_write refuses to write. Files of up to 64 MB, and HDF5 files, are read into memory.
- *  Larger files are mapped: if another program writes to such a file meanwhile, no call reads or
- *  writes beyond its arrays, but if the file becomes shorter, the system sends the process SIGBUS. */
+ *  Larger files are mapped. If another program writes to such a file meanwhile, no call reads or
+ *  writes beyond its arrays. If the file becomes shorter, the system sends the process SIGBUS. */
 typedef struct planish_file planish_file;
 
 /** Read the file at path, or the mesh in the folder at path. format: a name of planish_file_formats, or
@@ -46,10 +46,10 @@ PLANISH_API int planish_file_open(const char *path, const char *format, int thre
 
 /** Open an untrusted file as planish_file_open does, in a process that must not die. The HDF5
  *  library (1.10) crashes on some damaged files, and takes memory without end for others. A file
- *  that needs HDF5 (CGNS, MED, VTKHDF, DMPlex) is therefore first opened in a child process.
- *  Packed coordinates are later changed in a child process, too. Either failure becomes a
- *  _FORMAT error. On Linux the child may take 1 GB, and 4 kB for each byte of the file, but no
- *  more than three quarters of the machine's memory.
+ *  that needs HDF5 (CGNS, MED, VTKHDF, DMPlex) is therefore first opened in a child process. Packed
+ *  coordinates are later changed in a child process, too. Either failure becomes a _FORMAT error.
+ *  On Linux the child may take 1 GB, and 4 kB for each byte of the file, up to three quarters of
+ *  the machine's memory.
  *
  *  Opening these files takes twice the time; planish_file_open opens all other files. The child
  *  is a fork of the caller, of the calling thread alone: no other thread may be within the HDF5
@@ -146,13 +146,13 @@ PLANISH_API int planish_file_cells(planish_file *file, planish_cells *cells, pla
 /** Coordinates [n_nodes][dim] of planish_file_mesh, in the file's units, to be changed in place. */
 PLANISH_API double *planish_file_coordinates(planish_file *file);
 
-/** The plane in which a mesh of flat elements (dim 2) has its coordinates. If the plane is orthogonal to
- *  an
- *  axis of the file, the coordinates are two columns of the file, and the third column does not change.
- *  In a tilted plane they belong to a frame with the unit vectors direction, so that areas and angles
- *  are true. Each triangle has the sign that it has seen along axis[2]; this sign is exact, except for
- *  triangles too flat for doubles in the frame. Nodes that are a little off the plane are off it along
- *  that axis. Moved nodes are written on the plane; the others keep their bytes. */
+/** The plane in which a mesh of flat elements (dim 2) has its coordinates. If an axis of the file
+ *  is normal to the plane, the coordinates are two columns of the file, and the third column does
+ *  not change. In a tilted plane they belong to a frame with the unit vectors direction, so that
+ *  areas and angles are true. Each triangle has the sign that it has seen along axis[2]; this sign
+ *  is exact, except for triangles too flat for doubles in the frame. Nodes that are a little off
+ *  the plane are off it along that axis. Moved nodes are written on the plane; the others keep
+ *  their bytes. */
 typedef struct planish_plane {
     int axis
         [3]; /* columns of the file, 0 .. 2 for x .. z: those of coordinates 0 and 1, and the one
@@ -298,16 +298,17 @@ PLANISH_API int planish_file_get_held(const planish_file *file, const planish_ho
  *  array may only say where the boundary is. */
 PLANISH_API int64_t planish_file_get_marked(const planish_file *file, uint8_t *marked);
 
-/** Find the nodes that a boundary condition of the file names (Abaqus' *BOUNDARY), which holds none: supported
- *  [n_nodes] (may be NULL) is filled with 0 or 1. Return the number of these nodes. */
+/** Find the nodes that a boundary condition of the file names (Abaqus' *BOUNDARY). Such conditions
+ *  hold no node. supported [n_nodes] (may be NULL) is filled with 0 or 1. Returns the number of
+ *  ones. */
 PLANISH_API int64_t planish_file_get_supported(const planish_file *file, uint8_t *supported);
 
-/** Names of the first 1000 sets that these boundary conditions name, as tags of planish_hold, NULL at the end;
- *  the file owns them. Nodes may be named one by one besides. */
+/** Names of the first 1000 sets of these boundary conditions, as tags of planish_hold, NULL at the
+ *  end; the file owns them. Boundary conditions may also name single nodes. */
 PLANISH_API const char *const *planish_file_supported_groups(const planish_file *file);
 
-/** Names of the files that the file includes (Abaqus, Nastran), as it writes them, NULL at the end; the file
- *  owns them. planish_file_write does not copy them. */
+/** Names of the files that the file includes (Abaqus, Nastran), as it writes them, NULL at the end;
+ *  the file owns them. planish_file_write does not copy them. */
 PLANISH_API const char *const *planish_file_included(const planish_file *file);
 
 /** Return the file's surface for planish_find_slides: regions, facets (triangles and quadrilaterals
@@ -332,12 +333,13 @@ PLANISH_API int planish_file_min_volumes(const planish_file *file, const char *c
 PLANISH_API int64_t planish_file_element_number(const planish_file *file, int64_t element);
 PLANISH_API int64_t planish_file_node_number(const planish_file *file, int64_t node);
 
-/** Find the region of an element, by its index in planish_file_mesh, as a tag for planish_hold. Fill
- * text [size] with the name of its group, or with "DIM:N" if no name means only elements of this
- * dimension, or with "" if the file has no regions or no tag means this one. If an element is in
- * several groups, the first named group counts. Returns the length of the tag as snprintf does (with
- * NULL and 0 only the length), or PLANISH_ERROR_ARGUMENT. The time depends on the number of the
- * file's regions: elements of one region (planish_file_surface) have the same tag. */
+/** Find the region of an element, by its index in planish_file_mesh, as a tag for planish_hold.
+ * Fill text [size] with the name of its group, or with "DIM:N" if the name means elements of other
+ * dimensions, too, or is missing. Fill it with "" if the file has no regions, or no tag for this
+ * one. If an element is in several groups, the first named group counts. Returns the length of the
+ * tag as snprintf does (with NULL and 0 only the length), or PLANISH_ERROR_ARGUMENT. The time
+ * depends on the number of the file's regions: elements of one region (planish_file_surface) have
+ * the same tag. */
 PLANISH_API int planish_file_element_region(const planish_file *file, int64_t element, char *text,
                                             size_t size);
 

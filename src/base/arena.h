@@ -1,6 +1,6 @@
 /* arena: a stretch of memory that many arrays share.
  *
- * The first touch of a page of 4 kB takes as long as the rings of several nodes, and an array of a
+ * The first touch of a page of 4 kB takes as long as the rings of several nodes. An array of a
  * megabyte is too small for a huge page of its own. In an arena arrays lie side by side and share
  * huge pages; an array finds the resident pages that an earlier array has given back.
  *
@@ -38,8 +38,8 @@ void pl_arena_end(pl_arena *arena);
  *  nowhere. Those in small pages become resident. Several threads may call it at once. */
 void *pl_arena_take(pl_arena *arena, size_t bytes);
 
-/** Give back what was taken: whole huge pages in which nothing is any more go back to the system,
- * if the arena does not hold them for what will be taken next. */
+/** Give back what was taken: empty huge pages go back to the system, unless the arena holds them
+ *  for the next arrays. */
 void pl_arena_give(pl_arena *arena, void *taken);
 
 /** Hold given-back pages no longer: they go back to the system. */

@@ -46,8 +46,8 @@
  * -ffast-math flush subnormals to zero, others unmask exceptions; and a thread has what the thread
  * had that made it. All of it is as before, flags included, when the caller sees it again.
  *
- * Where doubles are computed in SSE's registers their control register says it all, and is some
- * twenty times as fast to set as what <fenv.h> does about it. */
+ * Where doubles are computed in SSE's registers, their control register is enough. It is some
+ * twenty times as fast to set as the environment of <fenv.h>. */
 #ifdef __SSE2_MATH__
 typedef unsigned pl_arithmetic;
 #else

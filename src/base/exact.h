@@ -1,8 +1,8 @@
 /* exact: integers as long as determinants of coordinates need.
  *
- * Doubles are integers times a power of two, so that differences, products and sums of integers
- * give the sign of a determinant exactly, whatever the exponents. Used where the rounding error
- * bound cannot decide; numbers keep only the limbs they need, so common cases stay short.
+ * A double is an integer times a power of two. So differences, products and sums of integers give
+ * the sign of a determinant exactly, whatever the exponents. Used where the rounding error bound
+ * cannot decide; numbers keep only the limbs they need, so common cases stay short.
  *
  *   pl_exact_unit, _difference               integers of doubles
  *   pl_exact_add, _multiply, _round          arithmetic

@@ -27,8 +27,9 @@ typedef struct pl_output {
     char *temporary; /* where it is now, owned; NULL: written directly */
     int replaces;    /* there was a file in its place already */
     int is_committed;
-    /* Packs what pl_output_write is given, and writes that by pl_output_write_as_it_is; with data
-     * NULL, by pl_output_finish, the end. NULL: nothing does. */
+    /* Function that packs the bytes of pl_output_write, and writes them by
+     * pl_output_write_as_it_is; with data NULL, by pl_output_finish, the end. NULL: nothing does.
+     * */
     int (*pack)(struct pl_output *output, const char *data, int64_t size, planish_error *error);
     void *packer; /* its state */
 } pl_output;
@@ -66,7 +67,7 @@ int pl_output_rewrite(pl_output *output, const char *data, int64_t size, planish
 int pl_output_commit(pl_output *output, pl_temporaries temporaries, planish_error *error);
 /** Take back pl_output_commit: remove the target, if it is a new one. */
 void pl_output_undo(const pl_output *output);
-/** Remove what is left (the temporary file, if it was not renamed) and release. */
+/** Remove the temporary file, if it was not renamed, and release the memory. */
 void pl_output_release(pl_output *output, pl_temporaries temporaries);
 
 #endif

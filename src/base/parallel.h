@@ -50,7 +50,7 @@ static inline int64_t pl_counts_row(int64_t n_keys) {
     return (n_keys + LINE - 1) / LINE * LINE;
 }
 
-/** Counts [n_chunks][row] become the places where each chunk puts what it has of each key: key by
+/** Turn counts [n_chunks][row] into the places at which each chunk puts its items of each key: key by
  *  key, and chunk by chunk in each. begin [n_keys + 1]: where each key begins, and the end. */
 void pl_counts_to_places(int threads, int64_t n_keys, int64_t n_chunks, int64_t *counts,
                          int64_t *begin);

@@ -55,7 +55,7 @@ void pl_parts_end(pl_context *context);
 /** Return the number of ghosts of the part, 0 without a part. n_nodes: nodes of the part. */
 int64_t pl_parts_ghosts(int64_t n_nodes);
 
-/** Set the ghosts in values [n_nodes][size] to what their processes have: node i is at inner[i]
+/** Set the ghosts in values [n_nodes][size] to the values of their processes: node i is at inner[i]
  *  (NULL: at i). size: at most PL_LARGEST_VALUE. */
 void pl_parts_update(const int32_t *inner, void *values, int64_t size);
 

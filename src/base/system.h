@@ -142,7 +142,7 @@ void pl_file_unmap(const char *data, int64_t size);
 /** Say that a mapped file will not be read for some time: it need not be in memory until then. */
 void pl_file_rest(const char *data, int64_t size);
 
-/** Wait until what was written is on the disk, where the file system knows of that: 0, or errno. */
+/** Wait until written bytes are on the disk, if the file system can tell: 0, or errno. */
 int pl_file_sync(int fd);
 
 /** Allow to read and write the file at path: what it was before, for pl_file_set_mode; -1: nothing
@@ -158,8 +158,8 @@ int pl_file_replace(const char *from, const char *to);
 /** Remove a file or an empty folder; a signal handler may. */
 int pl_file_remove(const char *path);
 
-/** Let an open file, which nobody else may read yet, have owner, mode, access list and extended
- *  attributes (user.*) of the file at path, as far as that is allowed. Where it cannot have the
+/** Give an open file, which nobody else may read yet, the owner, mode, access list and extended
+ *  attributes (user.*) of the file at path, as far as the system allows. Where it cannot have the
  *  owner's group, neither the new group nor all others get a right that both classes did not have;
  *  where it cannot have the access list, it stays its owner's alone. */
 void pl_file_take_access(int fd, const char *path);

@@ -1,8 +1,8 @@
 /* fit: the surface of a mesh is brought onto a shape that is not its own.
  *
- * Each node of the boundary has a place on the other shape: on a patch, on a curve if it is itself on one,
- * or at a corner. It goes there straight, by the largest step that keeps its elements valid. What lies
- * between such rounds, smoothing, is not done here.
+ * Each node of the boundary has a place on the other shape: on a patch, on a curve if it is itself
+ * on one, or at a corner. It goes there straight, by the largest step that keeps its elements
+ * valid. Smoothing between these rounds is done elsewhere.
  *
  *   create.h     pl_fit_create, _destroy      the nodes, and the elements around them
  *   places.h     pl_fit_find_places           the other shape's places of the nodes
@@ -37,8 +37,8 @@ typedef struct pl_fit_element {
     uint8_t type; /* number of its rule */
 } pl_fit_element;
 
-/** A fit. Nodes have the numbers of the mesh's own shape, which is not owned, nor is the other one. Lengths
- *  are in the unit of the other shape unless it says otherwise. Arrays are owned. */
+/** A fit. Nodes have the numbers of the mesh's own shape, which is not owned, nor is the other one.
+ *  Lengths are in the unit of the other shape unless it says otherwise. Arrays are owned. */
 struct planish_fit {
     const planish_shape *own, *onto;
     int64_t n_nodes; /* of own */

@@ -4,8 +4,9 @@
 
 #include "fit/fit.h"
 
-/** Move each node that is not at its place towards it, as far as its elements stay valid and above floor, in
- *  their own size. coordinates: as points say. Returns the largest part of its way that a node has gone. */
+/** Move each node towards its place, unless it is there, as far as its elements stay valid and
+ *  above floor, a fraction of their size. coordinates: as points say. Returns the largest part of
+ *  its way that a node has gone. */
 double pl_fit_round(planish_fit *fit, const pl_points *points, double *coordinates, double floor);
 
 /** Find which nodes are at their places. Returns how many are not; *farthest (may be NULL): of them from

@@ -1,4 +1,4 @@
-/* cell: the types of elements, and what all elements of a type have in common.
+/* cell: the types of elements, and common properties of all elements of a type.
  *
  * A type is a shape (triangle, quadrilateral, tetrahedron, hexahedron, wedge, pyramid) with nodes of
  * order 1 or 2. Nodes stand in VTK's order: the corners, then the mids of edges, of faces, of the
@@ -54,8 +54,8 @@ typedef struct pl_cell_type {
     const char *name; /* as people say, plural: "quadratic tetrahedra" */
 } pl_cell_type;
 
-/** Return the type of a number of planish_cell_type, NULL if there is none or it has no measure (a
- *  point, a line). */
+/** Return the type for a planish_cell_type; NULL for an unknown number, or a type without a measure
+ *  (a point, a line). */
 const pl_cell_type *pl_cell_type_of(int type);
 
 /** Return the corners in the middle of which a node is if the element is straight, bit c for corner

@@ -15,7 +15,7 @@
 /* Inlined at once: compilers take functions that only fetch for ones without effect. */
 #define PL_AT_ONCE static inline __attribute__((always_inline))
 
-/** Ask for what will be written, for this core alone. Otherwise a write waits until other cores
+/** Ask for memory that this core alone will write. Otherwise a write waits until other cores
  *  have given up their copies, and all writes after it wait, too. */
 PL_AT_ONCE void pl_fetch_to_write(const void *place) {
     __builtin_prefetch(place, 1);

@@ -15,7 +15,7 @@
 #define PL_INLINE static inline
 #endif
 
-/* What is seldom done stays out of the way of what is done often. */
+/* Keep rare code out of the way of frequent code. */
 #if defined(__GNUC__)
 #define PL_NOINLINE static __attribute__((noinline))
 #else

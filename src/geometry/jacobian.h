@@ -1,11 +1,11 @@
 /* jacobian: the determinant of an element's map, as a polynomial in Bezier form.
  *
  * An element is the image of a reference shape under the map that its nodes define. It is valid if
- * the determinant det J of the map's derivative is positive everywhere, so det J is written as a sum
- * of Bernstein polynomials, which are positive and add up to 1: det J is between the least and the
- * largest of its coefficients, and those at corners are values of it (Johnen, Remacle, Geuzaine,
- * "Geometrical validity of curvilinear finite elements", 2013; for hexahedra Johnen, Weill, Remacle,
- * arXiv 1706.01613). Where coefficients have both signs the shape is bisected.
+ * the determinant det J of the map's derivative is positive everywhere. det J is therefore written
+ * as a sum of Bernstein polynomials, which are positive and add up to 1: det J is between the least
+ * and the largest of its coefficients, and those at corners are values of it (Johnen, Remacle,
+ * Geuzaine, "Geometrical validity of curvilinear finite elements", 2013; for hexahedra Johnen,
+ * Weill, Remacle, arXiv 1706.01613). Where coefficients have both signs the shape is bisected.
  *
  * All of it is one rule per type, made by pl_jacobian_rule_make:
  *   controls      Bezier points of the map: sums of nodes, by whole numbers

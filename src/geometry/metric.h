@@ -1,9 +1,10 @@
 /* metric: lengths that depend on the direction.
  *
- * A metric is a symmetric positive definite matrix M. It makes an edge e as long as the root of e^T M e, so
- * that an element whose edges are all 1 long there is thin in the direction of M's large eigenvalues. Its
- * sizes H = M^(-1/2) have the same eigenvectors, and the edge lengths along these as eigenvalues. Means of
- * sizes are sizes again, and of those that are the same in all directions, plain means.
+ * A metric is a symmetric positive definite matrix M. The length of an edge e in it is the root of
+ * e^T M e. An element with edges of length 1 is thin in the directions of M's large eigenvalues.
+ * Its sizes H = M^(-1/2) have the same eigenvectors, and the edge lengths along these as
+ * eigenvalues. Means of sizes are sizes again, and of those that are the same in all directions,
+ * plain means.
  *
  * A corner with the edges A that is to be ideal in a metric has T = L A V in the place of A V
  * (geometry/target.h), where L is the upper triangle of M = det(M)^(1 / dim) L^T L, so that det L = 1.
@@ -41,8 +42,8 @@ typedef struct pl_metric {
 /** The metric in which lengths are the usual ones. */
 pl_metric pl_metric_identity(int dim);
 
-/** Fill h with the sizes of the metric m, and least and most with the smallest and largest one. Return 0 if
- *  m is not positive definite and finite. */
+/** Fill h with the sizes of the metric m, and least and most with the smallest and largest one.
+ *  Return 0 if m is not positive definite and finite. */
 int pl_metric_sizes(int dim, const double *m, double *h, double *least, double *most);
 
 /** Make the metric of the sizes h. Returns det h, in which the measure of an element is to be. */

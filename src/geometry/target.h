@@ -1,7 +1,7 @@
 /* target: the shape that a corner is wanted to have, where that is not the ideal one of its type.
  *
  * A = [e_1 .. e_dim] are a corner's edges from its first node, W those of the corner that is wanted.
- * T = A W^-1 is what takes the one to the other, and mu is the mean ratio of T (Knupp 2001):
+ * T = A W^-1 maps W to A, and mu is the mean ratio of T (Knupp 2001):
  *
  *     mu = |T|^2 / (dim det(T)^(2 / dim)),   |T|^2 = E det(W)^(-2 / dim)
  *
@@ -10,8 +10,8 @@
  *
  *     mu = E / (dim D^(2 / dim))
  *
- * as of a corner whose ideal determinant is 1. A turned, moved or scaled W is the same target. In a metric
- * (geometry/metric.h) E = |L A V|^2.
+ * as of a corner whose ideal determinant is 1. A turned, moved or scaled W is the same target. In a
+ * metric (geometry/metric.h) E = |L A V|^2.
  *
  *   pl_target, pl_target_make       of the corner that is wanted
  *   pl_target_entry, _slopes        V, and V by nodes

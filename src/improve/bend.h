@@ -167,8 +167,7 @@ PL_INLINE void bend_find_slopes(bend_tetrahedron *t) {
     }
 }
 
-/** Set the block of edges i and j to the products of slopes, and the part of the bend of N that all
- *  pairs have. */
+/** Set the block of edges i and j to the products of slopes plus the common part of the bend of N. */
 PL_INLINE void bend_pair(const bend_tetrahedron *t, int i, int j, bend_pack *block) {
     for (int c = 0; c < 9; c++)
         block[c] = bend_of(0);

@@ -60,16 +60,16 @@ int pl_run_mend_curved(pl_run *r, planish_error *error);
  *  measured: by their mids alone. Errors: _MEMORY. */
 int pl_run_improve_curved(pl_run *r, planish_error *error);
 
-/** Mark in state [n_elements of the plan], as PLANISH_VOLUME_INFEASIBLE, the invalid curved simplices
- *  of coordinates that are proved to stay so wherever free nodes go. given [n][dim]: those of the
- *  plan's nodes. Writes the plan's own coordinates. Errors: _MESH (a mid that is not finite), _MEMORY.
+/** Mark in state [n_elements of the plan], as PLANISH_VOLUME_INFEASIBLE, the curved simplices of
+ *  coordinates that are proved invalid wherever free nodes go. given [n][dim]: those of the plan's
+ *  nodes. Writes the plan's own coordinates. Errors: _MESH (a mid that is not finite), _MEMORY.
  */
 int pl_mark_hopeless(const planish_plan *plan, const planish_options *options, const double *given,
                      const double *coordinates, pl_stop_check *limit, uint8_t *state,
                      planish_error *error);
 
-/** Look for a better mesh by augmented Lagrangian after the sweeps have converged with minimum
- *  volumes in force, and take it if it is one. Without memory it does nothing. */
+/** Look for a better mesh by the augmented Lagrangian method, after the sweeps have converged with
+ *  minimum volumes in force. Keep the mesh if it is better. Without memory it does nothing. */
 int pl_run_augmented(pl_run *r, planish_error *error);
 
 #endif

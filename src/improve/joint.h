@@ -2,7 +2,7 @@
  *
  * A patch has some movable nodes around a bad element, and all elements that touch these. A step solves
  * a small max-min problem (maxmin.h): raise the least measure of the elements, linearised where the nodes
- * are, within a radius. It is taken where the true measures say so: the least one has risen by a part
+ * are, within a radius. It is kept if the true measures are better: the least one has risen by a part
  * of the promise, every element is positive beyond doubt of rounding, no limit is exceeded, and
  * watched cells stay valid. Where the step is blocked the patch grows by the nodes of the elements
  * that block it; a patch that neither gains nor grows is at its limit.

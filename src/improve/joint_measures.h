@@ -1,4 +1,5 @@
-/* joint_measures: what joint steps raise and keep: measures of elements, larger the better they are. */
+/* joint_measures: measures that joint steps raise, and limits that they keep: measures of elements,
+ * larger the better they are. */
 #ifndef PL_IMPROVE_JOINT_MEASURES_H
 #define PL_IMPROVE_JOINT_MEASURES_H
 

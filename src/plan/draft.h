@@ -53,7 +53,7 @@ void pl_draft_destroy(pl_draft *d);
 
 /* ---- domain.c: the mesh, or the subset of it, that the plan works on ------------------------- */
 
-/** Validate mesh, and begin with all of it, or with what is around options->around. */
+/** Validate mesh, and begin with all of it, or with the elements around options->around. */
 int pl_draft_begin(const planish_mesh *mesh, pl_draft *d, planish_error *error);
 
 /** Find the orientation and, if asked for, the bad elements from the measures. If these are few,
@@ -76,10 +76,10 @@ int pl_rings_across(const pl_draft *d, const pl_candidates *c, pl_rings *rings,
 
 /* ---- select.c: nodes that options select ----------------------------------------------------- */
 
-/** Select the nodes that options->only_worse_than is about: those of elements whose RR is above it,
- *  that are below their minimum volume, or not positive by the boundary's sign, and of rings of
- *  elements around these. Fill is_selected and all_positive, and subset if a walk found it. Errors:
- *  _MESH (of its neighbours), _MEMORY. */
+/** Select the nodes that options->only_worse_than is about: the nodes of elements with a larger RR,
+ *  below their minimum volume, or not positive by the boundary's sign, and of rings of elements
+ *  around these. Fill is_selected and all_positive, and subset if a walk found it. Errors: _MESH
+ *  (of its neighbours), _MEMORY. */
 int pl_draft_select(pl_draft *d, planish_error *error);
 
 /** Choose the nodes that options->around is about; is_selected [n] is 0 before. corners has those of

@@ -29,7 +29,7 @@ pl_placement *pl_placement_create(int threads, int bind);
 /** Free placement; NULL: do nothing. */
 void pl_placement_destroy(pl_placement *placement);
 
-/** Free what was learnt of the machine for all placements, of which there must be none; the next
+/** Free the map of the machine that all placements share; no placement may be left; the next
  *  one looks again. Called when the library is unloaded, and by tests that change machines. */
 void pl_placement_forget_machine(void) __attribute__((destructor));
 

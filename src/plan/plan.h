@@ -148,8 +148,8 @@ struct planish_plan {
 /** Free the plan, but not its context. */
 void pl_plan_destroy(planish_plan *plan);
 
-/** Return the local problem of the plan's interior or sliding stars, whose visits are given, in the
- *  plan's arrays, with Newton's search and no limits. */
+/** Return the local problem of the plan's interior or sliding stars, in the plan's arrays, with the
+ *  given visits, Newton's search and no limits. */
 pl_star_problem pl_plan_problem(const planish_plan *plan, const pl_visits *visits);
 
 /** Number of colours, of the interior and of the nodes that slide. */
@@ -218,7 +218,8 @@ int pl_plan_check_call(const planish_plan *plan, const double *coordinates,
 /** Make the targets of a plan with sizes, of its own coordinates, as if it was new. */
 void pl_plan_begin_sizes(planish_plan *plan);
 
-/** Make the targets of a plan with sizes, of x [.][dim]: node i is at x[place[i]]; place NULL: at x[i]. */
+/** Make the targets of a plan with sizes, of x [.][dim]: node i is at x[place[i]]; place NULL: at
+ *  x[i]. */
 void pl_plan_fit_sizes(planish_plan *plan, const double *x, const int32_t *place);
 
 /* ---- check_options.c ------------------------------------------------------------------------ */

@@ -15,9 +15,9 @@
 int pl_own_cells_make(const planish_mesh *mesh, int threads, pl_own_cells *own,
                       planish_cells *cells, planish_mesh *with, planish_error *error);
 
-/** Make the targets of the plan's elements, which are corners: what they are at reference, which goes by
- *  the caller's nodes. sign [n_elements] of those that are valid, NULL: all +1. Errors: _MESH,
- *  _MEMORY. */
+/** Make the targets of the plan's elements, which are corners: the values at reference, in the
+ *  order of the caller's nodes. sign [n_elements] of those that are valid, NULL: all +1. Errors:
+ *  _MESH, _MEMORY. */
 int pl_targets_make(planish_plan *plan, pl_points reference, const int8_t *sign,
                     planish_error *error);
 

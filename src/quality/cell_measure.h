@@ -1,7 +1,7 @@
 /* cell_measure: the quality of elements of every type.
  *
- * Where pl_measure (measure.h) knows simplices alone, by their radius ratio, this one knows all
- * types, by what they have in common: validity everywhere (validity.h) and the corner mean ratio
+ * pl_measure (measure.h) measures simplices alone, by their radius ratio. This file measures all
+ * types, by their common properties: validity everywhere (validity.h) and the corner mean ratio
  * (docs/measures.md). Elements are taken in blocks of one type.
  *
  *   pl_cell_rules_make, _free    rules of the types that a mesh has
@@ -47,7 +47,7 @@ int pl_cell_rules_make(const pl_cell_mesh *mesh, pl_cell_rules *rules);
 void pl_cell_rules_free(pl_cell_rules *rules);
 
 /** Measure mesh; values (may be NULL) are filled. Returns PLANISH_OK, PLANISH_ERROR_MEMORY, or
- *  PLANISH_ERROR_MESH if corners have no target: *flawed is then the lowest element that has such. */
+ *  PLANISH_ERROR_MESH if corners have no target: *flawed is then the lowest such element. */
 int pl_measure_cells(const pl_cell_mesh *mesh, const pl_cell_rules *rules, int threads,
                      planish_cell_quality *quality, const planish_cell_values *values,
                      int64_t *flawed);

@@ -15,9 +15,9 @@
 int pl_measure_sign(int dim, const double *const vertex[]);
 
 /** Measure of a simplex with the exact sign: m with m 2^*exponent = D up to rounding, D = dim!
- * times the measure, and the exact sign of D. m's error is at most that of the plain formula, and a
- * few units in its last place where the plain formula does not tell the sign. 0 if a coordinate is
- * not finite. */
+ * times the measure, and the exact sign of D. The error of m is at most that of the plain formula.
+ * Where the plain formula does not decide the sign, it is a few units in the last place of m. 0 if
+ * a coordinate is not finite. */
 double pl_certified_determinant(int dim, const double *const vertex[], int *exponent);
 
 #endif

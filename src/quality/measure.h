@@ -5,9 +5,9 @@
  * added in the chunks' order: the same bits for any number of threads and instruction set. The
  * validity of elements is decided exactly (certificate.h).
  *
- * Of a mesh with corners cells are measured: AR by the mean ratios of their corners stands for RR,
- * the scaled Jacobian of corners for angles, and a cell is positive if all its corners are. All its
- * corners have its state and its ratio.
+ * Of a mesh with corners cells are measured: Fields of RR then have AR, by the mean ratios of
+ * corners, and fields of angles the scaled Jacobian. A cell is positive if all its corners are. All
+ * its corners have its state and its ratio.
  *
  *   pl_measure                       all measures
  *   pl_sum_radius_ratio              the radius ratio alone, faster
@@ -20,10 +20,10 @@
 
 #include "quality/view.h"
 
-/** Measure the mesh: *quality (planish.h); worst_element of cells is a corner. Each element is looked at in its own scale, so that any
- *  volume that a double holds gives a finite ratio; sums that overflow are infinite. What has no
- *  value for lack of (valid) elements is 0. coordinates [n][dim]. Errors: _MEMORY; *quality is then
- *  untouched. */
+/** Measure the mesh: *quality (planish.h); worst_element of cells is a corner. Each element is
+ *  looked at in its own scale, so that any volume that a double holds gives a finite ratio; sums
+ *  that overflow are infinite. What has no value for lack of (valid) elements is 0. coordinates
+ *  [n][dim]. Errors: _MEMORY; *quality is then untouched. */
 int pl_measure(const pl_view *view, const double *coordinates, int threads,
                planish_quality *quality, planish_error *error);
 

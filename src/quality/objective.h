@@ -18,7 +18,7 @@
 
 #include <math.h>
 
-/** A mesh, and what is asked of it. */
+/** A mesh, and the objective and limits asked of it. */
 typedef struct pl_objective_problem {
     pl_view mesh;              /* is_movable without PL_ELSEWHERE: is_counted says that */
     const double *coordinates; /* [n][dim] */
@@ -51,7 +51,7 @@ typedef struct pl_objective_sums {
                          is exact but for hexahedra and wedges that are no parallelepipeds or prisms */
 } pl_objective_sums;
 
-/** Return the problem of what options ask of mesh at coordinates [n][dim]; min_volume as in
+/** Return the problem that options define for mesh at coordinates [n][dim]; min_volume as in
  *  pl_objective_problem. */
 pl_objective_problem pl_objective_problem_of(const pl_view *mesh, const double *coordinates,
                                              const planish_options *options, double min_volume,

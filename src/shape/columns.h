@@ -60,8 +60,8 @@ static inline void pl_columns_edge(const pl_columns *c, int32_t a, int32_t b, do
                                       c->mesh->coordinates[(int64_t)a * dim + d]);
 }
 
-/** Number of corners of an element that tell of its layer: of products all, of simplices 1, or 0 if their
- *  levels are not known. */
+/** Number of corners of an element that decide on its layer: of products all, of simplices 1, or 0
+ *  if their levels are not known. */
 static inline int pl_layer_corners(const pl_cell_shape *shape, const pl_layer_cell *cell) {
     return shape->n_simplices > 1 ? shape->n_corners : cell->is_level;
 }

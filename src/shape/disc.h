@@ -1,10 +1,11 @@
 /* disc: a bound of the distance of small triangles from a patch, for next to nothing.
  *
  * Around a node the patch is a graph over the plane through the node, as far as a disc: each of its
- * points is at a height q + r above that, q a quadratic function, lowest <= r <= highest. A triangle
- * whose corners are over the disc is as high as its corners say, and between them lower than q by what
- * q bends: so both heights differ by no more than the two ranges do. On a smooth surface that is hardly more than the
- * distance. Where it is too much, or a feature is near, overlay.h tells.
+ * points is at a height q + r above that, q a quadratic function, lowest <= r <= highest. A
+ * triangle with its corners over the disc has the heights of its corners. Between these it is lower
+ * than q by the bend of q: so both heights differ by no more than the two ranges do. On a smooth
+ * surface that is hardly more than the distance. Where it is too much, or a feature is near,
+ * overlay.h tells.
  */
 #ifndef PL_SHAPE_DISC_H
 #define PL_SHAPE_DISC_H

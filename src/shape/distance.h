@@ -19,7 +19,7 @@ typedef struct pl_shape_distance {
 int pl_shape_measure(const planish_shape *shape, const double (*x)[3], const pl_place *place,
                      int threads, pl_shape_distance *distance, planish_error *error);
 
-/** Return the cosine of the largest angle between facets at edges that are no features. */
+/** Return the cosine of the largest angle between facets at edges that are not features. */
 double pl_shape_sharpest(const planish_shape *shape, int threads);
 
 #endif

@@ -38,22 +38,24 @@ static inline void pl_set_rises(const planish_shape *shape, const double x[][3],
     t->rest = pl_whole_rest(whole, x, node);
 }
 
-/** Return how far the facet's edges on curves are off the chains of edges that were there, at most, in
- *  both directions, or how far its corners on curves are off them; 0: it has none; infinite: not known. */
+/** Return the largest distance, in both directions, between the facet's edges on curves and the
+ *  original chains of edges, or of its corners on curves from these chains; 0: it has none;
+ *  infinite: not known. */
 double pl_overlay_lateral(const planish_shape *shape, const pl_moved_facet *t);
 
-/** Return a distance within which of the patch every point of the triangle, or facet of second order, is, or more than limit
- *  (maybe infinite) if that is not proved for any up to limit. lateral: from pl_overlay_lateral.
- *  Units: the shape's. */
+/** Return a bound of the distance of the triangle, or facet of second order, from the patch: no
+ *  point of it is farther off. Return more than limit, perhaps infinity, if no bound up to limit is
+ *  proved. lateral: from pl_overlay_lateral. Units: the shape's. */
 double pl_overlay_bound(const planish_shape *shape, const pl_moved_facet *t, double lateral,
                         double limit);
 
-/** Return a distance within which of the patch of a facet every point of the triangle x is, or infinity if that
- *  is not known, as where features run over it. The triangle turns as the patch does. Units: the shape's. */
+/** Return a bound of the distance of triangle x from the patch of a facet: no point of it is
+ *  farther off. Return infinity if no bound is known, for example where features run over the
+ *  triangle. The triangle turns as the patch does. Units: the shape's. */
 double pl_overlay_bound_any(const planish_shape *shape, const double x[3][3], int32_t facet);
 
-/** Return the largest of the numbers [n_facets], at least 0, of the facets over the triangle; infinite: it
- *  is not proved that these are all. */
+/** Return the largest of the numbers [n_facets], at least 0, of the facets over the triangle;
+ *  infinite: it is not proved that these are all. */
 double pl_overlay_most(const planish_shape *shape, const pl_moved_facet *t, const double *number);
 
 /** Return the mean of the edges of a facet, as it came; of second order of those between corners. */

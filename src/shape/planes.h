@@ -24,8 +24,9 @@ typedef struct pl_planes {
 } pl_planes;
 
 /** Find the planes of a surface in 3-D, and the edges between them. tolerance: how far nodes may be
- *  off, in the surface's units. is_fixed [nodes of the mesh] becomes PL_FIXED_ALWAYS for nodes of tagged edges
- *  that are none of the surface, and PL_FIXED_UNLESS_CURVED for those of quadrilaterals that are not planar. ridges is to be released in any case. Errors: _MEMORY. */
+ *  off, in the surface's units. is_fixed [nodes of the mesh] becomes PL_FIXED_ALWAYS for nodes of
+ *  tagged edges that are not on the surface, and PL_FIXED_UNLESS_CURVED for nodes of quadrilaterals
+ *  that are not planar. ridges is to be released in any case. Errors: _MEMORY. */
 int pl_planes_create(const pl_surface *surface, const planish_surface *tags, double tolerance,
                      pl_planes *planes, pl_ridges *ridges, uint8_t *is_fixed, planish_error *error);
 

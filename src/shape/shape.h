@@ -22,8 +22,8 @@ int pl_find_slides(const pl_dense *dense, const planish_mesh *given, const plani
                    int threads, uint8_t *constraint, double *direction, planish_slide_info *info,
                    planish_error *error);
 
-/* An element is thin if its longest edge is at least so many times its shortest: beyond what
- * unstructured meshes of any quality have often, below what layers are made for. */
+/* An element is thin if its longest edge is at least so many times its shortest: beyond the usual
+ * ratios of unstructured meshes of any quality, below those that layers are made for. */
 static const double PL_THIN = 4;
 /* Rows go on while the shortest edge of an element is shorter than all others of it by this factor:
  * they are by how much a row is wider than high. */
@@ -73,8 +73,8 @@ int pl_find_layers_of_cells(const planish_mesh *mesh, const uint8_t *thinness, i
 int pl_follow_cell_rows(const planish_mesh *mesh, const uint8_t *thinness, uint8_t *mark,
                         planish_error *error);
 
-/** Return the rank of an array's name among those that tell regions, from 1 for the most telling
- *  one; 0: unknown; -1: the array tells no regions. */
+/** Return the rank of an array's name among the names of regions, from 1 for the surest one; 0:
+ *  unknown; -1: the array tells no regions. */
 int pl_region_name(const char *name);
 
 /** Check names, types and values of arrays [n_arrays] for n_elements elements. Errors: _ARGUMENT.
@@ -85,7 +85,7 @@ int pl_check_cell_arrays(const planish_cell_array *arrays, int n_arrays, int64_t
 /** Return the size of a number of type in bytes. */
 size_t pl_number_size(planish_number type);
 
-/** Decide which of the checked arrays tell regions, and set their is_region. mesh is dense, or has
+/** Decide which of the checked arrays are regions, and set is_region of each. mesh is dense, or has
  *  checked cells. See planish_find_regions. Errors: _MESH, _MEMORY. */
 int pl_find_regions(const planish_mesh *mesh, planish_cell_array *arrays, int n_arrays, int threads,
                     planish_error *error);

@@ -53,8 +53,8 @@ static inline int pl_whole_has_mids(const pl_whole *whole) {
     return whole->n_nodes > whole->n_corners;
 }
 
-/** Return the triangles of a facet, as places in node: those of second order begin with one at each corner,
- *  which is its first node. */
+/** Return the triangles of a facet, as places in node: those of second order begin with one at each
+ *  corner, which is its first node. */
 static inline const uint8_t (*pl_whole_parts(const pl_whole *whole))[3] {
     static const uint8_t LINEAR[][3] = {{0, 1, 2}, {0, 2, 3}},
                          TRIANGLE6[][3] = {{0, 3, 5}, {1, 4, 3}, {2, 5, 4}, {3, 4, 5}},
@@ -68,8 +68,8 @@ static inline const uint8_t (*pl_whole_parts(const pl_whole *whole))[3] {
                                  : LINEAR;
 }
 
-/** Return the triangle of a facet that has the first (half 0) or second half of the edge after corner k, of
- *  first order all of the edge. */
+/** Return the triangle of a facet that has the first (half 0) or second half of the edge after
+ *  corner k. In a facet of first order it has the whole edge. */
 static inline int32_t pl_whole_rim(const pl_whole *whole, int k, int half) {
     const int part = pl_whole_has_mids(whole) ? (half ? (k + 1) % whole->n_corners : k)
                      : whole->n_corners == 4  ? k / 2
@@ -85,8 +85,8 @@ static inline int pl_whole_place(const pl_whole *whole, int32_t node) {
     return -1;
 }
 
-/** Find the nodes of a facet that follow a corner, as places in node: the mids of the edges from and to it,
- *  and the centre. Returns how many there are. */
+/** Find the nodes of a facet that follow a corner, as places in node: the mids of the edges from
+ *  and to it, and the centre. Returns how many there are. */
 static inline int pl_whole_followers(const pl_whole *whole, int32_t corner,
                                      int follower[PL_WHOLE_FOLLOWERS]) {
     const int n = whole->n_corners, k = pl_whole_place(whole, corner);
@@ -127,9 +127,9 @@ static inline void pl_centre_from(const pl_whole *whole, const double x[][3], in
     }
 }
 
-/** Compute the rise of a quadrilateral over the way from the mid after corner k to the next mid. In the
- *  middle, a quarter of the way from the corner between them to the opposite one, shape functions of lines
- *  are 3/8, 3/4 and -1/8. */
+/** Compute the rise of a quadrilateral over the way from the mid after corner k to the next mid. In
+ *  the middle, a quarter of the way from the corner between them to the opposite one, shape
+ *  functions of lines are 3/8, 3/4 and -1/8. */
 static inline void pl_rise_inside(const pl_whole *whole, const double x[][3], int k,
                                   double rise[3]) {
     const int c = (k + 1) % 4, l = (k + 2) % 4, m = (k + 3) % 4; /* corners; k and c: mids */
@@ -162,9 +162,9 @@ static inline void pl_rise_between(const pl_whole *whole, const double x[][3], i
     }
 }
 
-/** Compute the rises of one triangle of a facet: off the point of the triangle with weights u, v, w the facet
- *  is u v rise[0] + v w rise[1] + w u rise[2], and no more than the rest off that. x: the facet's nodes;
- *  node: which of them the corners are. */
+/** Compute the rises of one triangle of a facet: off the point of the triangle with weights u, v, w
+ *  the facet is u v rise[0] + v w rise[1] + w u rise[2], and no more than the rest off that. x: the
+ *  facet's nodes; node: which of them the corners are. */
 static inline void pl_whole_rises(const pl_whole *whole, const double x[][3], const uint8_t node[3],
                                   double rise[3][3]) {
     for (int j = 0; j < 3; j++) {
@@ -181,11 +181,12 @@ static inline void pl_whole_rises(const pl_whole *whole, const double x[][3], co
     }
 }
 
-/** Bound how far a facet is off what the rises of one triangle say.
+/** Bound the distance of a facet from the surface that the rises of one triangle describe.
  *
- *  A quadrilateral on [-1, 1]^2 is quadratic but for A x^2 y + B x y^2 + C x^2 y^2. Quadratic functions that
- *  agree at the corners of a triangle and in the middle of its edges are off these by no more than the
- *  factors here, found by hand: s t (s - 1/2) in a triangle at a corner, for one. */
+ * A quadrilateral on [-1, 1]^2 is quadratic but for A x^2 y + B x y^2 + C x^2 y^2. Quadratic
+ *  functions that agree at the corners of a triangle and in the middle of its edges are off these
+ *  by no more than the factors here, found by hand: s t (s - 1/2) in a triangle at a corner, for
+ *  one. */
 static inline double pl_whole_rest(const pl_whole *whole, const double x[][3],
                                    const uint8_t node[3]) {
     static const double CUBIC = 0.0482, CUBIC_HALF = 0.125, QUARTIC = 0.06;

@@ -52,8 +52,8 @@ static inline double restore_margin(const local *here) {
  * to the star's size. A minimum volume may be next to nothing. */
 #define SOUND_HEIGHT 0.02
 
-/** Return how much D of element i, at the position that GVALUE is of, is short of what it is to
- * have in the end, if it can: above its floor by margin, and sound if it has to be brought up. */
+/** Return by how much D of element i, at the position of GVALUE, falls short of its final goal, if
+ *  that can be reached: above its floor by margin, and sound if it has to be brought up. */
 static inline double missing_measure(const local *here, int64_t i, double margin, double size) {
     const star *s = &here->s;
     double floor = *entry(s, FLOOR, i) * (1 + margin);

@@ -64,8 +64,8 @@ static inline void set_row_target(const star *s, const pl_star_row *row, int64_t
     *entry(s, SHARE, i) = PL_SHARES * row->share;
 }
 
-/** Gather the star of index for untangling, with its node at place, and what the wanted sizes and
- *  the patch say of each facet. Elements that cannot be helped get no weight. */
+/** Gather the star of index for untangling, with its node at place, and for each facet the wanted
+ *  size and the coefficients of the patch. Elements that cannot be helped get no weight. */
 static inline void untangling_init(local *here, const pl_star_problem *problem, int64_t index,
                                    const double *place, double *scratch, int64_t *evaluations,
                                    const int dim) {

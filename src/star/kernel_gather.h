@@ -34,12 +34,12 @@ static inline int64_t positions_of(const pl_star_problem *problem, int dim) {
     return pl_link_positions(dim, PL_KERNEL != PL_RADIUS && problem->link_form);
 }
 
-/* Stars that are asked for ahead of their visits: on meshes that outgrow the caches they would be
- * waited for, and so would what a thread on a core far away has written, or read. */
+/* Stars that are asked for ahead of their visits: on meshes that outgrow the caches the visit would
+ * wait for them, and for memory that a thread on a far core has written or read. */
 enum { AHEAD = 3, MOST_AHEAD = 64 }; /* of a giant ring only the first nodes */
 
-/** Ask for what the visit of the star with this index will read, and write: its node, the flags around
- *  and, for mean ratios, its link; nothing from end on. */
+/** Ask for the memory that the visit of the star with this index reads and writes: its node, the
+ *  flags around and, for mean ratios, its link; nothing from end on. */
 PL_INLINE void fetch_ahead(const pl_star_problem *problem, int64_t index, int64_t end,
                            const int dim) {
     if (index >= end)
@@ -228,7 +228,7 @@ PL_INLINE void unpack_forms(const uint8_t *code, int64_t n, int64_t padded, uint
         row[i] = row[0];
 }
 
-/** Fill in what objectives of edges and scaled Jacobians need of the forms of facets. */
+/** Fill in the parts of the forms of facets that objectives of edges and scaled Jacobians need. */
 PL_NOINLINE void gather_corners(const star *s, const int dim) {
     for (int64_t i = 0; i < s->padded; i++) {
         const pl_corner_form *f = &s->forms[s->form[i]];
@@ -403,7 +403,7 @@ PL_INLINE void store_wanted(const star *s, int64_t i, const wanted_corners *w, c
     store(s, FORM_E0, i, lanes_max(root * (energy - of_t * inverse), lanes_of(ROW_NOTHING)));
 }
 
-/** Do what gather_targets does, inlined where dim is constant. */
+/** Body of gather_targets, inlined where dim is constant. */
 PL_INLINE void gather_targets_of(const star *s, const pl_star_problem *problem, int64_t first,
                                  double *ring, const double *place, const int has_metric,
                                  const int dim) {
@@ -435,8 +435,8 @@ PL_INLINE void gather_targets_of(const star *s, const pl_star_problem *problem, 
     }
 }
 
-/** Put targets in the place of ideal corners, with the star's node at place and its neighbours in ring
- *  [.][PL_ROW], behind which there is room for one more. Not inlined: few meshes have them. */
+/** Replace ideal corners by targets. place: of the star's node; ring [.][PL_ROW]: its neighbours,
+ *  with room for one more behind them. Not inlined: few meshes have them. */
 PL_NOINLINE void gather_targets(const star *s, const pl_star_problem *problem, int64_t first,
                                 double *ring, const double *place, const int dim) {
     if (s->has_metric && dim == 3)

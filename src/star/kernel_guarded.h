@@ -217,7 +217,7 @@ static inline void visit_star(const pl_star_problem *problem, int64_t index, int
               v.restored > 0);
 }
 
-/** Add what the star's projected gradient and multipliers say. */
+/** Add the star's projected gradient and multipliers. */
 static inline void add_optimality(const pl_star_problem *problem, int64_t index, double *scratch,
                                   pl_star_optimality *sum, const int dim) {
     const double *place = problem->coordinates + (int64_t)problem->node[index] * dim;

@@ -122,9 +122,9 @@ static inline void acquit(const pl_star_problem *problem, int32_t node) {
 #define FALL_TOLD INFINITY
 
 /** Move the node from place (as in the mesh) to x (scaled). There the star is_bad, or may be, and
- *  its function is lower by fall, relative. If the move matters, tell neighbours that their stars
- *  have changed: all of them and the node itself if the star is bad, else only bad neighbours.
- *  Several threads may tell one node at the same time; all write one value. */
+ *  its function is lower by fall, relative. If the move is large enough, mark the neighbours' stars
+ *  as changed: all of them and the node itself if the star is bad, else only bad neighbours.
+ *  Several threads may mark one star at the same time; all write one value. */
 static inline void move_node(const local *here, int32_t node, const double *x, double size2,
                              double fall, int is_bad, double *place, const int dim) {
     uint8_t *changed = here->problem->changed;

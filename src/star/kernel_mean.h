@@ -132,7 +132,7 @@ PL_INLINE lanes sized_ratio(const star *s, int64_t i, const corners *t, lanes sq
     return lanes_of(1 - s->size_weight) * square + lanes_of(s->size_weight / 2) * (tau + inverse);
 }
 
-/** Return mu^2 of a pack, or what counts with sizes, and 1 / D. */
+/** Return mu^2 of a pack, or with sizes its replacement, and 1 / D. */
 PL_INLINE lanes counted_ratio(const star *s, int64_t i, const corners *t, lanes *inverse_d,
                               const int dim) {
     const lanes square = mean_of(t, inverse_d, dim);

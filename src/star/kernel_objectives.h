@@ -608,7 +608,7 @@ PL_INLINE lanes volume_constraint(const star *s, int64_t i, lanes D) {
                         lanes_of(NEVER_ACTIVE));
 }
 
-/* Least slack, relative to the floor: an element on its floor blocks what goes below it. */
+/* Least slack, relative to the floor: an element on its floor blocks moves that take it below. */
 #define SLACK_LEAST 1e-12
 /* The fraction of the way to a barrier that is gone at most; a floor may be reached. */
 #define FLOOR_FRACTION 0.9

@@ -78,8 +78,8 @@ static inline void keep_scale(const local *here, pl_star_kept *kept) {
     kept->exponent = exponent_of(here->s.scale);
 }
 
-/** Forget the kept scale if it does not fit the star's size any more, and have the star visited
- *  again with a scale that is chosen. */
+/** Forget the kept scale if it no longer fits the star's size. The star is then visited again with
+ *  a newly chosen scale. */
 PL_NOINLINE void check_scale(const local *here, int32_t node, pl_star_kept *kept,
                              const objective *f) {
     if (!kept || kept->sum == 0 || (f->positive && f->sum < INFINITY))

@@ -248,11 +248,12 @@ typedef enum pl_proof_role {
     PL_PROOF_GIVEN_UP = 2 /* in a proof, and the others need not fail without it */
 } pl_proof_role;
 
-/** Give up elements of the star's fixed link facets, and return how many: one of each contradiction
- * found, so that the others can have their minimum volume (or be positive, without one) for some
- * place of the node; 0 if there is no proof that any must be (feasibility.c). is_fixed [n_nodes] by
- * inner numbers; part [link facets of the star] is set to pl_proof_role. scratch as for visits.
- * limit (may be NULL): if it is reached, the search ends there; what it has found is proved. */
+/** Give up elements of the star's fixed link facets, and return how many: one element of each
+ * contradiction found. The others can then have their minimum volume, or be positive if they have
+ * none, for some place of the node; 0 if there is no proof that any must be (feasibility.c).
+ * is_fixed [n_nodes] by inner numbers; part [link facets of the star] is set to pl_proof_role.
+ * scratch as for visits. limit (may be NULL): if it is reached, the search ends there; what it has
+ * found is proved. */
 int64_t pl_star_infeasible(const pl_star_problem *problem, int64_t star_index, int dim,
                            const uint8_t *is_fixed, double *scratch, uint8_t *part,
                            pl_stop_check *limit);
@@ -357,7 +358,7 @@ static inline pl_star_evaluate_fn *pl_star_ratio_of(const pl_star_kernel *kernel
     return pl_star_is_mean(problem) ? kernel->mean->evaluate[dim - 2] : kernel->evaluate[dim - 2];
 }
 
-/** Return the function that evaluates what visits of a problem lower. */
+/** Return the function that evaluates the objective of a problem's visits. */
 static inline pl_star_evaluate_fn *pl_star_evaluate_of(const pl_star_kernel *kernel,
                                                        const pl_star_problem *problem, int dim) {
     return problem->guard                 ? kernel->guarded->evaluate[dim - 2]

@@ -14,7 +14,7 @@ int pl_surface_run_begin(pl_surface_run *r, planish_error *error);
 /** Write the nodes that have moved to the caller's coordinates, and fill in the result. */
 void pl_surface_run_end(pl_surface_run *r);
 
-/** Free what a run owns, also after an error. */
+/** Free the memory of a run, also after an error. */
 void pl_surface_run_destroy(pl_surface_run *r);
 
 #endif

@@ -1,8 +1,8 @@
-/* facet_terms: what one node's move does to the facets of a surface in space around it.
+/* facet_terms: the change of the facets around a node of a surface in space as the node moves.
  *
- * A term is a triangle at the node, or a corner of a quadrilateral that has the node as its own or at
- * the end of an edge. Its ratio is, with squared edges l, s the sum of edges, n = 2 x the area's
- * normal,
+ * A term is a triangle at the node, or a corner of a quadrilateral: at the node itself, or at the
+ * other end of an edge from the node. Its ratio is, with squared edges l, s the sum of edges, n = 2
+ * x the area's normal,
  *
  *     RR^2 = l_a l_b l_c s^2 / (16 |n|^4)              of a triangle
  *     mu^2 = (l_a + l_b + l_c)^2 / (12 |n|^2)          of a triangle

@@ -1,6 +1,6 @@
 /* quality: all measures of a surface mesh.
  *
- *   pl_surface_quality     what planish_measure_surface says
+ *   pl_surface_quality the figures of planish_measure_surface
  */
 #ifndef PL_SURFACE_QUALITY_H
 #define PL_SURFACE_QUALITY_H
@@ -8,7 +8,8 @@
 #include "shape/curved.h"
 #include "topology/points.h"
 
-/** A surface that is measured, and where to; ratio, cells and values may be NULL (planish_measure_surface). */
+/** A surface that is measured, and where to; ratio, cells and values may be NULL
+ *  (planish_measure_surface). */
 typedef struct pl_surface_measuring {
     const planish_shape *shape;
     const planish_mesh *mesh;

@@ -13,7 +13,7 @@ int pl_run_begin(pl_run *r, planish_error *error);
  *  lacking or another process is not reached, and fill the result. Errors: _MEMORY, _PROCESS. */
 int pl_run_end(pl_run *r, planish_error *error);
 
-/** Free what a run owns, also after an error. */
+/** Free the memory of a run, also after an error. */
 void pl_run_destroy(pl_run *r);
 
 #endif

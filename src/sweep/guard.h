@@ -34,8 +34,8 @@ int pl_guard_create(const planish_plan *plan, const planish_options *options,
 /** Free the arrays of guard. */
 void pl_guard_destroy(pl_guard *guard);
 
-/** Weigh sum AR^2 and sum g^2 of a star so that their sum, times the factor that is returned, is an
- *  upper bound of F up to a constant, and touches it at the present f1 and f2. */
+/** Choose weights of sum AR^2 and sum g^2 of a star. Their weighted sum, times the returned factor
+ *  and plus a constant, is an upper bound of F that touches F at the present f1 and f2. */
 double pl_guard_weigh(pl_guard *guard, const planish_options *options,
                       const pl_objective_sums *sums);
 

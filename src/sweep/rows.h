@@ -1,8 +1,8 @@
 /* rows: the Bezier coefficients of det J of an element, as rows of a star.
  *
- * If a node moves by d, and what follows it by its rate of d, det J is affine in d at every point,
- * and so is every Bezier coefficient of it (geometry/jacobian.h). So each coefficient gives a row in
- * the point form (pl_star_row):
+ * Let a node move by d, and each node that follows it by its rate of d. Then det J is affine in d
+ * at every point, and so is each of its Bezier coefficients (geometry/jacobian.h). So each
+ * coefficient gives a row in the point form (pl_star_row):
  *
  *     D   the coefficient: where all are positive the element is valid
  *     E   |T|^2 where its polynomial is largest; T = J W^-1, W the ideal element's
@@ -46,8 +46,8 @@ pl_row_rule *pl_row_rule_make(const pl_cell_type *type);
 /** Free rule; NULL: do nothing. */
 void pl_row_rule_free(pl_row_rule *rule);
 
-/** Add the handle of node, a place in the element, to rate [n_nodes]: what each node of the element
- *  moves by if the node moves by 1. Nodes follow corners: half of each end of an edge, a quarter of
+/** Add the handle of node, a place in the element, to rate [n_nodes]: the move of each node of the
+ *  element if the node moves by 1. Nodes follow corners: half of each end of an edge, a quarter of
  *  the corners of a face, an eighth of those of the cell. */
 void pl_row_handle(const pl_row_rule *rule, int node, double rate[]);
 
@@ -72,7 +72,7 @@ void pl_rows_halve(const pl_row_rule *rule, int simplex, int half, int n,
                    double (*whole)[PL_JACOBIAN_COEFFICIENTS],
                    double (*to)[PL_JACOBIAN_COEFFICIENTS]);
 
-/** Elements of a plan whose rows the stars of its interior heed. Arrays are owned. */
+/** Elements of a plan whose rows count in the stars of its interior. Arrays are owned. */
 typedef struct pl_marked {
     const pl_watch *watch; /* where nodes are */
     double weight;         /* of an element's rows together; 0: constraints alone */
@@ -102,7 +102,7 @@ int pl_marked_make(const pl_watch *watch, const uint8_t *is_marked, double weigh
 /** Free the arrays of marked. */
 void pl_marked_destroy(pl_marked *marked);
 
-/** Make problem, of the interior's stars, heed the marked elements. */
+/** Let the rows of the marked elements count in problem, of the interior's stars. */
 void pl_marked_use(const pl_marked *marked, pl_star_problem *problem);
 
 /** Rows of marked elements at a star's node, at the plan's present coordinates (pl_star_more_fn);

@@ -172,8 +172,8 @@ typedef struct pl_trial {
 } pl_trial;
 
 /** Begin a trial with the mesh as measured last. before [n_nodes][dim] is room for coordinates, and
- *  stays the caller's. is_hidden: progress reports show what stands until the trial ends. The trial
- *  may change the run's problem, guard and phase as it needs. */
+ *  stays the caller's. is_hidden: progress reports show the state before the trial until it ends.
+ *  The trial may change the run's problem, guard and phase as it needs. */
 void pl_trial_begin(pl_run *r, int is_hidden, double *before, pl_trial *trial);
 
 /** End the trial; the run's problem, guard and phase are again as before. is_taken: the mesh as it

@@ -1,11 +1,12 @@
 /* skin: the surface of a mesh on its way along a shape (options.shape).
  *
- * A node of the skin goes from place to place on the shape, whose patches and curves its visits see as
- * a surface (star.h). Where it may go is decided here: no smooth edge may bend too much, no facet
- * turn too far, and every facet stays within the tolerance of the shape, by its bound or a new
- * certificate (shape/overlay.h). Nodes that slide on planes and lines are of the skin if a facet of
- * theirs has a node that moves on a patch or curve. The facets of the others stay in their planes, and are
- * looked at in the end: beyond the seam to a curved part of the patch a plane is none of the shape.
+ * A node of the skin goes from place to place on the shape, whose patches and curves its visits see
+ * as a surface (star.h). Where it may go is decided here: no smooth edge may bend too much, and no
+ * facet turn too far. Every facet stays within the tolerance of the shape, by its bound or a new
+ * certificate (shape/overlay.h). Nodes that slide on planes and lines belong to the skin if one of
+ * their facets has a node that moves on a patch or curve. The facets of the others stay in their
+ * planes, and are looked at in the end: beyond the seam to a curved part of the patch the plane
+ * does not belong to the shape.
  *
  * The facets of a node are in its elements, and the nodes across edges have other colours
  * (plan/across.c): so each facet has one writer at a time.
@@ -156,8 +157,9 @@ static inline const double *pl_skin_at(const pl_skin *skin, int32_t node) {
                      : skin->coordinates + (int64_t)inner * 3;
 }
 
-/** Return a number that tells the place x apart from others: of two places it is the same by one chance in
- *  2^64, and never if they differ in one coordinate alone. A third of the memory of coordinates. */
+/** Return a number that tells the place x apart from others: of two places it is the same by one
+ *  chance in 2^64, and never if they differ in one coordinate alone. A third of the memory of
+ *  coordinates. */
 static inline uint64_t pl_skin_print(const double x[3]) {
     uint64_t print = 1;
     for (int d = 0; d < 3; d++) {
@@ -175,7 +177,8 @@ static inline int pl_skin_is_known(const pl_skin *skin, int32_t node, const doub
     return skin->known[node] == pl_skin_print(x);
 }
 
-/** Return how far a unit normal is from another one, in units, rounded up. distance: NAN or infinite: unknown.
+/** Return how far a unit normal is from another one, in units, rounded up. distance: NAN or
+ *  infinite: unknown.
  */
 static inline uint8_t pl_skin_turn(double distance) {
     const double units = distance / PL_SKIN_TURN;
@@ -223,8 +226,8 @@ static inline float pl_float_above(double x) {
     return x > 0 ? (float)(x * (1 + 0x1p-23) + 0x1p-149) : (float)x;
 }
 
-/** Whether facet i of a visit turns by 60 degrees at most from where it was first, if its normal is that of
- *  trial. */
+/** Whether facet i of a visit turns by 60 degrees at most from where it was first, if its normal is
+ *  that of trial. */
 static inline int pl_skin_keeps_turn(const pl_skin_visit *v, const pl_skin_trial *trial, int i) {
     double first[3];
     pl_kept_normal(v->skin->shape, v->facet[i], first);
@@ -236,10 +239,10 @@ static inline int pl_skin_has(const pl_skin *skin, int32_t node) {
     return skin->moves[node] >= PLANISH_CONSTRAINT_ON_PLANE && skin->moves[node] < PL_SKIN_FLAT;
 }
 
-/** Make the skin of a run whose coordinates are in the plan, and set how the plan's nodes slide. Where
- *  facets are of second order let watch see their mids, and watch all cells that have one which moves by
- *  itself; they are to be measured. coordinates: the caller's. Errors: _MEMORY, _ARGUMENT (the mesh has no
- *  mids, and the shape has). */
+/** Make the skin of a run whose coordinates are in the plan, and set how the plan's nodes slide.
+ *  Where facets are of second order let watch see their mids, and watch all cells that have one
+ *  which moves by itself; they are to be measured. coordinates: the caller's. Errors: _MEMORY,
+ *  _ARGUMENT (the mesh has no mids, and the shape has). */
 int pl_skin_create(planish_plan *plan, const planish_options *options, const double *coordinates,
                    pl_watch *watch, pl_skin *skin, planish_error *error);
 
@@ -251,8 +254,8 @@ int pl_skin_make(const planish_options *options, pl_skin *skin, planish_error *e
  *  on planes and lines move. slides_by [n_stars]: planish_constraint of each. */
 void pl_skin_find_moves(pl_skin *skin, const uint8_t *slides_by);
 
-/** Take the places of all nodes, which are at points, and the bounds of facets; hold what is loose, too far
- *  off, or near another sheet. Errors: _MEMORY. */
+/** Take the places of all nodes, which are at points, and the bounds of facets; hold what is loose,
+ *  too far off, or near another sheet. Errors: _MEMORY. */
 int pl_skin_begin(pl_skin *skin, const pl_points *points, planish_error *error);
 
 /** Whether two places [3] are the same. */
@@ -269,8 +272,8 @@ int pl_skin_is_off(const pl_skin *skin, int32_t node);
 /** Free the arrays of skin. */
 void pl_skin_destroy(pl_skin *skin);
 
-/** Bound how far a facet is off the shape if node is at x, in the shape's units, and there in place; node -1:
- *  as it is. Above the facet's tolerance: not known. */
+/** Bound how far a facet is off the shape if node is at x, in the shape's units, and there in
+ *  place; node -1: as it is. Above the facet's tolerance: not known. */
 double pl_skin_certify(const pl_skin *skin, int32_t facet, int32_t node, const double *x,
                        const pl_place *place);
 
@@ -279,7 +282,8 @@ double pl_skin_certify(const pl_skin *skin, int32_t facet, int32_t node, const d
 int pl_skin_mids_make(pl_skin *skin);
 void pl_skin_mids_destroy(pl_skin *skin);
 
-/** Prepare a visit's room, begin a visit, and after it take the places of mids from the trial accepted. */
+/** Prepare a visit's room, begin a visit, and after it take the places of mids from the trial
+ *  accepted. */
 void pl_skin_mids_prepare(const pl_skin *skin, int thread, pl_skin_visit *visit);
 void pl_skin_mids_begin(pl_skin_visit *visit);
 void pl_skin_mids_take(const pl_skin_visit *visit);
@@ -295,11 +299,12 @@ int pl_skin_move_mids(pl_skin_visit *visit);
 /** Bring the mids of the edges at a node, which has moved otherwise, to the shape. */
 void pl_skin_place_mids(pl_skin *skin, int32_t node);
 
-/** Whether the mid of an edge, or the centre of a facet, goes to the shape when its n corners, parent, move. */
+/** Whether the mid of an edge, or the centre of a facet, goes to the shape when its n corners,
+ *  parent, move. */
 int pl_skin_is_placed(const pl_skin *skin, int32_t mid, const int32_t *parent, int n);
 
-/** Bound how far a facet of second order is off the shape, as it is; above its tolerance: not known. facet:
- *  one of its triangles. */
+/** Bound how far a facet of second order is off the shape, as it is; above its tolerance: not
+ *  known. facet: one of its triangles. */
 double pl_skin_certify_whole(const pl_skin *skin, int32_t facet);
 
 /** The place of a node that may have moved, as far as certificates need it. */
@@ -309,17 +314,18 @@ pl_place pl_skin_present_place(const pl_skin *skin, int32_t node);
  *  farther off than they may be. */
 int64_t pl_skin_follow(pl_skin *skin);
 
-/** Do so, and bound the facets that have only nodes on planes and lines, which visits do not look at. A mesh
- *  that is a surface itself has none such but in planar patches, where they stay exactly. */
+/** Do so, and bound the facets that have only nodes on planes and lines, which visits do not look
+ *  at. A mesh that is a surface itself has such facets only in planar patches, where they stay
+ *  exactly. */
 int64_t pl_skin_check(pl_skin *skin);
 
-/** After nodes were put back to given [n][dim], where the plan's nodes were at the start: find smooth edges that
- *  bend above 40 degrees, and further than at given; their facets count as too far off until their nodes move.
- *  Returns how many there are; 1 without memory. */
+/** After nodes were put back to given [n][dim], where the plan's nodes were at the start: find
+ *  smooth edges that bend above 40 degrees, and further than at given; their facets count as too
+ *  far off until their nodes move. Returns how many there are; 1 without memory. */
 int64_t pl_skin_check_bends(pl_skin *skin, const double *given);
 
-/** Put the nodes of facets that are too far off, or at smooth edges that bend too much, to given; returns how
- *  many had moved. */
+/** Put the nodes of facets that are too far off, or at smooth edges that bend too much, to given;
+ *  returns how many had moved. */
 int64_t pl_skin_put_back(pl_skin *skin, const double *given);
 
 /** Prepare visit for a thread's visits. */
@@ -331,15 +337,15 @@ void pl_skin_begin_visit(pl_skin_visit *visit, int64_t star);
 /** Return the number in a visit of a facet; -1: it is not at the node. */
 int32_t pl_skin_number_of(const pl_skin_visit *visit, int32_t facet);
 
-/** End a visit: places and bounds become those of where the node is. Returns 0 if it is not known that it may
- *  be there: then it is back where it was. */
+/** End a visit: places and bounds become those of where the node is. Returns 0 if it is not known
+ *  that it may be there: then it is back where it was. */
 int pl_skin_end_visit(pl_skin_visit *visit);
 
 /** Say where the node of a visit, user, may be near point: a planish_project_fn. */
 planish_constraint pl_skin_project(int64_t node, double *point, double *direction, void *user);
 
-/** Say how nodes slide where they are, user being a pl_skin; of nodes that are not of it ask the caller: a
- *  planish_project_fn. */
+/** Say how nodes slide where they are, user being a pl_skin; of nodes that are not of it ask the
+ *  caller: a planish_project_fn. */
 planish_constraint pl_skin_ask(int64_t node, double *point, double *direction, void *user);
 
 /** Return a copy of places and bounds, to be released by pl_free; NULL: there are none, or there is no
@@ -349,8 +355,8 @@ void *pl_skin_save(const pl_skin *skin);
 /** Bring back saved places and bounds, if any, of nodes that are back where they were then. */
 void pl_skin_restore(pl_skin *skin, void *saved);
 
-/** Ask for what the visit of a star, if its node is of the skin, will read, and for what the next of these
- *  will. */
+/** Ask ahead for the memory that the visit of a star reads if its node is of the skin, and for that
+ *  of the next such visit. */
 void pl_skin_fetch_node(const pl_skin *skin, int64_t star);
 void pl_skin_fetch_list(const pl_skin *skin, int64_t star);
 void pl_skin_fetch_facets(const pl_skin *skin, int64_t star);

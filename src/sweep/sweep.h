@@ -55,8 +55,8 @@ typedef struct pl_convergence {
  *  of the last sweeps. */
 double pl_remainder(const pl_convergence *convergence);
 
-/** Return the fall that sweeps would bring after so many more, if the falls go on as a power of the
- *  sweeps noted, as they do while an error spreads out; infinite if that has no end. */
+/** Return the fall of F after so many more sweeps, extrapolated as a power of the number of sweeps:
+ *  while an error spreads out, falls go this way; infinite if that has no end. */
 double pl_left_after(const pl_convergence *convergence, int sweeps);
 
 /** Note one more sweep, from RMS before to after. Return not 0 if smoothing has converged. */

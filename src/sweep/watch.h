@@ -2,11 +2,11 @@
  *
  * A cell of a plan is a simplex, or has several corners (quality/view.h). With positive corners
  * hexahedra and wedges may be invalid, and so may curved cells of order 2. These are watched: after
- * each visit that moves a corner of one, its validity is decided (quality/validity.h), unless the
- * node went no farther than the cell has room. A move that would make a cell invalid is halved, or
- * refused. So is one that takes it below its minimum volume, or makes its aspect ratio worse than
- * any was. Cells at nodes of one colour are different ones, so that each is watched by one thread
- * at a time.
+ * each visit that moves a corner of a cell, its validity is decided (quality/validity.h), unless
+ * the node stayed within the room that the cell has. A move that would make a cell invalid is
+ * halved, or refused. So is one that takes it below its minimum volume, or makes its aspect ratio
+ * worse than any was. Cells at nodes of one colour are different ones, so that each is watched by
+ * one thread at a time.
  *
  * Nodes of order 2 follow corners: from their start they go 1/2 of the way of both ends of an edge,
  * 1/4 of that of the corners of a face, 1/8 of those of a cell, stored as coordinates are. So they
@@ -64,8 +64,8 @@ enum { PL_NO_MID = -1, PL_OF_MORE = -2 };
 
 enum { PL_WATCH_TYPES = PLANISH_CELL_WEDGE18 + 1 };
 
-/** Rule of a type of cells, and what the move of a corner by d, with the nodes that follow it, does
- *  to such a cell. */
+/** Rule of a type of cells, and the change of such a cell if a corner moves by d, with the nodes
+ *  that follow it. */
 typedef struct pl_watch_rule {
     pl_jacobian_rule jacobian;
     double weight; /* a coefficient changes by at most weight |d| L^(dim - 1), L the longest
@@ -333,13 +333,13 @@ PL_AT_ONCE void pl_watch_fetch_rooms(const pl_watch *w, int32_t node) {
 }
 
 /** Mark in state [n_elements of the plan] with 1 the corners of cells that were valid when the run
- *  began and are not any more, and if of_all of all cells of which corners have turned; leave the
- *  other entries. Returns the number of cells. */
+ *  began and are invalid now. With of_all mark also those of all cells with corners that have
+ *  turned; leave the other entries. Returns the number of cells. */
 int64_t pl_watch_find_broken(const pl_watch *watch, int of_all, uint8_t *state);
 
-/** Mark in state [n_elements of the plan] with 1 the first corners of cells of several corners that
- *  have refused several moves, and whose coefficients are all positive; state NULL: only count them.
- *  Returns their number. */
+/** Mark in state [n_elements of the plan] with 1 the first corners of cells with several corners
+ *  that have refused several moves, though all their coefficients are positive; state NULL: only
+ *  count them. Returns their number. */
 int64_t pl_watch_find_refusers(const pl_watch *watch, uint8_t *state);
 
 #endif

@@ -58,15 +58,15 @@ int pl_watch_is_lane_valid(const pl_watch_block *b, int l);
 void pl_watch_find_places(const pl_watch *w, const pl_jacobian_rule *rule, int64_t cell,
                           int at_start, double *x, int32_t *node);
 
-/** Return how far nodes of a cell may go, of which coefficients that count are at least `least` above
- *  what they may be, and derivatives at most longest; 0: nowhere. */
+/** Return how far nodes of a cell may go. least: smallest excess of its coefficients over their
+ *  limits; longest: largest derivative; 0: nowhere. */
 double pl_watch_room(const pl_watch *w, const pl_watch_rule *rule, double least, double longest);
 
 /** Return the longest derivative of lane l along any edge. */
 double pl_watch_longest(const pl_jacobian_rule *rule, const pl_watch_block *b, int l, int dim);
 
 /** Keep the state and the room of the watched cell b->of[l], which is in lane l and valid or not.
- *  Bounds tell nothing of a cell that was scaled, or that bisections have decided: it has no room. */
+ *  Bounds decide nothing for a cell that was scaled, or that bisections have decided: it has no room. */
 void pl_watch_keep_state(pl_watch *w, const pl_watch_block *b, int l, int valid);
 
 #endif

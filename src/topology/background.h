@@ -1,7 +1,7 @@
 /* background: a mesh in which points are found.
  *
  * Elements are cut into simplices: each is joined from its corner of the smallest number to the facets
- * that do not have it, and so are these. Neighbours cut what they share alike.
+ * that do not have it, and so are these. Neighbours cut their common facet in the same way.
  *
  *   pl_background_create, _destroy
  *   pl_background_find              the simplex that has a point
@@ -33,8 +33,8 @@ int pl_background_create(const planish_mesh *mesh, const double *x, int threads,
 /** Free the arrays of background. */
 void pl_background_destroy(pl_background *background);
 
-/** Walk from *simplex to the one that has the point at [dim], or comes near it where there is none: *simplex,
- *  and weight [dim + 1], the point as a mean of its nodes: none is negative. */
+/** Walk from *simplex to the simplex with the point at [dim], or near it if no simplex has the
+ *  point: *simplex, and weight [dim + 1], the point as a mean of its nodes: none is negative. */
 void pl_background_find(const pl_background *background, const double *at, int32_t *simplex,
                         double weight[4]);
 

@@ -27,7 +27,7 @@ PL_AT_ONCE void pl_fetch_elements(const planish_mesh *mesh, int dim, const pl_in
         __builtin_prefetch(mesh->elements + (int64_t)incidence->element[i] * (dim + 1));
 }
 
-/** Fetch what a walk over node[i], i < end, will need soon after node[i]. */
+/** Fetch the memory that a walk over node[i], i < end, needs soon after node[i]. */
 PL_AT_ONCE void pl_fetch_ahead(const planish_mesh *mesh, int dim, const pl_incidence *incidence,
                                const int32_t *node, int64_t i, int64_t end) {
     if (i + PL_AHEAD_ELEMENTS < end)

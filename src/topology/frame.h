@@ -1,8 +1,8 @@
 /* frame: the bounding box of a mesh, and lengths in units of it. For topology and shape.
  *
- * Lengths are scaled by a power of two so that the box's longest side is between 1/2 and 1: nothing
- * overflows or underflows that the mesh itself can tell apart, and no bit of a result depends on
- * the scale of the input.
+ * Lengths are scaled by a power of two so that the box's longest side is between 1/2 and 1:
+ * differences between coordinates of the mesh neither overflow nor underflow, and no bit of a
+ * result depends on the scale of the input.
  *
  *   pl_frame_create, pl_frame_is_plain     the frame
  *   pl_frame_difference                    a length in units of it

@@ -1,9 +1,9 @@
 /* local_map: a small hash map that numbers the keys it meets, emptied at no cost.
  *
  * Neighbourhoods are small: a node has some 25 elements, 14 neighbours and 60 facets. A map of that
- * size stays in the first-level cache, where a table over all nodes per thread would neither stay
- * nor be affordable. Each thread has one and empties it for every node; entries of another stamp
- * than the map's count as empty.
+ * size stays in the first-level cache. A table over all nodes for each thread would not stay there,
+ * and would take too much memory. Each thread has one and empties it for every node; entries of
+ * another stamp than the map's count as empty.
  *
  *   pl_local_maps_create, _destroy, _failed     a map for each thread
  *   pl_local_map_empty, _add                    number keys

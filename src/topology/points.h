@@ -40,9 +40,9 @@ void pl_points_gather(const pl_points *p, int threads, double *dense);
 int pl_points_check(const pl_points *p, int threads, planish_error *error);
 
 /** Find the points that lie at exactly the place of another one: is_doubled [n] becomes 1 for them,
- *  else 0. Parts of a mesh that were written side by side have the nodes between them twice, a
- *  crack has its nodes twice, and some programs give each element its own points. At most INT32_MAX
- *  points. Errors: _MEMORY. */
+ *  else 0. Causes of doubled points: parts written side by side have the nodes between them twice,
+ *  a crack has its nodes twice, and some programs give each element its own points. At most
+ *  INT32_MAX points. Errors: _MEMORY. */
 int pl_points_find_doubled(const pl_points *points, uint8_t *is_doubled, planish_error *error);
 
 /** Return the rows row [n], of size bytes, of from, as an array of their own. NULL if from is; if it

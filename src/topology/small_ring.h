@@ -3,9 +3,9 @@
  *
  * Nearly all stars of a mesh of tetrahedra are small: bytes number their nodes and edges. A node is
  * looked up at the place that it hashes to, an edge in a table of pairs of nodes; both stay in the
- * first-level cache. Where two nodes of a link hash to the same place, which one in fifty has, that
- * is noticed at the end, and they are numbered again by another hash. A link that collides in both
- * is left to others.
+ * first-level cache. In one link of fifty, two nodes hash to the same place. The function notices
+ * this at the end, and numbers the link again by another hash. A link that collides in both is left
+ * to others.
  *
  * Whether something is new, nothing could predict, so no branch asks: what has no number yet has
  * PL_SMALL_NONE, above all numbers, so that its number is the lesser of that and the next one.

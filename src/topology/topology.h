@@ -58,7 +58,7 @@ int pl_dense_create_cells(const planish_mesh *mesh, int threads, pl_dense *dense
 /** Free the copies of dense. */
 void pl_dense_destroy(pl_dense *dense);
 
-/** Return mesh, or if it has no targets as mesh->is_layer marks no element, a copy that says so. The
+/** Return mesh; if mesh->is_layer marks no element, a copy without targets. The
  *  counts of mesh are checked. */
 const planish_mesh *pl_drop_targets(const planish_mesh *mesh, planish_mesh *copy);
 
@@ -107,15 +107,15 @@ int pl_is_smoothed(const planish_cells *cells, int64_t cell, int dim);
  *  Errors: _ARGUMENT, _MESH, _MEMORY. */
 int pl_corners_take(const planish_mesh *mesh, int threads, pl_dense *dense, planish_error *error);
 
-/** Find the curved edges of a cell of mesh, whose coordinates are finite: bit e is set if the node
- *  that comes e after the corners, the mid of an edge (of a face, of the cell), is farther off the
- *  middle of its ends (of its corners) than planish_options.rounding says. 0 for a cell that
- *  is not smoothed. */
+/** Find the curved edges of a cell of mesh, whose coordinates are finite: bit e is set if node e
+ *  behind the corners is farther off the middle than planish_options.rounding: the mid of an edge
+ *  off the middle of its ends, the node of a face or cell off the middle of its corners. 0 for a
+ *  cell that is not smoothed. */
 int pl_curved_edges(const planish_mesh *mesh, int64_t cell, double rounding);
 
-/** Whether node i of a cell of mesh, the middle of a quadrilateral face, is farther off the planes of its corners
- *  than planish_options.rounding says. In these planes it may be anywhere: the face is as it would be without
- *  it, also after corners have moved in them. */
+/** Whether node i of a cell of mesh, in the middle of a quadrilateral face, is farther off the
+ *  planes of its corners than planish_options.rounding. In these planes it may be anywhere: the
+ *  face is as it would be without it, also after corners have moved in them. */
 int pl_is_off_face(const planish_mesh *mesh, int64_t cell, int i, double rounding);
 
 /* ---- incidence.c: the elements of every node ---------------------------------------------- */

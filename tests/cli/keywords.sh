@@ -55,11 +55,11 @@ expect_text "'WHOLE' is a *SURFACE that planish does not take as a group; give t
 expect_one_line
 expect_status 64 "$program" smooth deck.inp -o out2.inp --fix 'fixed base'
 expect_status 64 "$program" smooth deck.inp -o out2.inp --fix HOLEN
-expect_text "there is no group 'HOLEN' to hold; did you mean 'HOLE_N'?"
+expect_text "there is no group 'HOLEN' to hold; did you mean 'HOLE_N'? Try 'planish smooth --help'"
 expect_status 64 "$program" smooth deck.inp -o out2.inp --slide HOLE_N
 expect_text "'HOLE_N' is a group of nodes, but one of triangles or quadrilaterals is needed"
 expect_status 64 "$program" smooth deck.inp -o out2.inp --slide atuo
-expect_text "did you mean --slide auto?"
+expect_text "did you mean --slide auto? Try 'planish smooth --help'"
 expect_one_line
 expect_no_file out2.inp
 

@@ -117,6 +117,24 @@ could_slide() {
 
 # ---- hexahedra: counted; their nodes are held anyway
 
+# Bricks on tetrahedra share no faces: each of their 100 top faces lies against two triangles.
+unjoined="note: 100 quadrilateral faces lie against two triangles each: their 121 nodes stay as on the boundary; pyramids between would join the elements"
+# The hint names the option that frees the worst element, which layers hold, whatever slides elsewhere.
+for options in "--layers hold" "--layers hold --slide auto" "--objective worst"; do
+    # shellcheck disable=SC2086
+    expect_status 0 "$program" smooth bricks.msh -o out.msh $options --json report.json
+    grep -q "^hint: the worst element has no movable node; --layers ignore lets nodes of thin layers move" out ||
+        fail "the hint with $options: $(grep '^hint' out)"
+    expect_text "$unjoined"
+    expect_json "r['after']['max_aspect_ratio'] == r['before']['max_aspect_ratio']"
+done
+expect_status 0 "$program" smooth bricks.msh -o out.msh --layers ignore --json report.json
+expect_json "r['after']['max_aspect_ratio'] < r['before']['max_aspect_ratio']"
+! grep -q "^hint:.*layers" out || fail "the hint with --layers ignore: $(grep '^hint' out)"
+expect_status 0 "$program" smooth bricks.msh -o out.msh # layers that keep their heights would be held
+! grep -q "^hint: --objective worst" out || fail "the hint of layers that are kept: $(grep '^hint' out)"
+expect_status 0 "$program" smooth layered.mesh -o out.mesh
+! grep -q "quadrilateral faces" err || fail "tetrahedra are joined"
 expect_status 0 "$program" quality bricks.msh --json report.json
 ! grep -q "thin in layers" err || fail "no node of hexahedra moves"
 expect_json "(r['mesh']['layer_elements'], r['mesh']['free_layer_elements']) == (300, 0)"

@@ -292,4 +292,15 @@ refused 64 "ball.mesh is a surface in space: --like has no effect there" ball.me
 expect_status 2 "$program" quality tets.mesh --like flat.mesh
 expect_one_line
 expect_text "--like flat.mesh: element 1 is flat"
+# quality --like: measures of triangles and tetrahedra alone are those without --like, and none is 0.
+for kind in triangles tets; do
+    python3 make.py $kind 0.6 >bent.mesh
+    python3 make.py $kind 0 >straight.mesh
+    expect_status 0 "$program" quality bent.mesh --like straight.mesh
+    sed -n '/^over the elements/,$p' out >with
+    expect_status 0 "$program" quality bent.mesh
+    sed -n '/^over the elements/,$p' out >without
+    [ "$(wc -l <with)" -gt 8 ] && cmp with without || fail "$kind: measures beside --like: $(cat with)"
+    ! grep -Eq "^[a-zA-Z /(:),]*[^0-9.]0 +0 +0 " with || fail "$kind: measures that are 0: $(cat with)"
+done
 finish

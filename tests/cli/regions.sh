@@ -166,4 +166,56 @@ expect_status 0 "$program" smooth box.vtk -o free.vtk -q --regions none
 python3 -c "$on_interface" box.vtk free.vtk "held == 25" || fail "the interface stays"
 expect_status 0 "$program" smooth box.vtk -o out.vtu -q
 lacks out.vtu || { expect_free 100 out.vtu; expect_json "'region' in r['mesh']['region_arrays']"; }
+# Elementary entities of Gmsh's are regions of one physical group: the nodes between them are counted, with the option
+# that lets them move. Nodes that are between physical groups, too, or on listed lines are held for that.
+cat >entities.py <<'END2'
+import itertools
+import sys
+import box_file
+
+N = 6
+kind, physical = sys.argv[1], [int(p) for p in sys.argv[2].split(",")]
+dim = box_file.dimension(kind)
+number = {at: i + 1 for i, at in enumerate(itertools.product(range(N + 1), repeat=dim))}
+cells = box_file.elements(kind, [N] * dim, number)
+lows = list(itertools.product(range(N), repeat=dim))
+of_cell = [lows[i // (len(cells) // len(lows))][0] * 3 // N for i in range(len(cells))]  # three slices
+middle = [number[2, y] for y in range(N + 1)] if len(sys.argv) > 3 else []
+lines = list(zip(middle, middle[1:]))
+print("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n%d" % len(number))
+for at, i in number.items():
+    print(i, *at, *[0] * (3 - dim))
+print("$EndNodes\n$Elements\n%d" % (len(cells) + len(lines)))
+for i, (e, slice_) in enumerate(zip(cells, of_cell)):
+    print(i + 1, {3: 2, 4: 4}[len(e)], 2, physical[slice_], slice_ + 1, *e)
+for i, line in enumerate(lines):
+    print(len(cells) + i + 1, 1, 2, 9, 9, *line)
+print("$EndElements")
+END2
+for dim in 2 3; do
+    kind=triangles inside=5
+    [ $dim = 2 ] || kind=tets inside=25
+    python3 entities.py $kind 7,7,7 >one.msh
+    python3 entities.py $kind 7,7,8 >two.msh
+    python3 entities.py $kind 7,8,9 >three.msh
+    python3 entities.py $kind 0,0,0 >none.msh
+    for command in "quality one.msh" "smooth one.msh -o out.msh"; do
+        expect_status 0 "$program" $command
+        expect_text "note: $((2 * inside)) nodes are held between elementary entities of one physical group; --regions none lets nodes between regions move"
+        expect_status 0 "$program" $command --regions none
+        ! grep -q "elementary" err || fail "they are not held: $command"
+        expect_status 0 "$program" $command -q
+        [ ! -s err ] || fail "notes with -q: $(cat err)"
+    done
+    expect_free $((5 * inside)) one.msh --regions none
+    expect_status 0 "$program" quality two.msh
+    expect_text "note: $inside nodes are held between elementary entities of one physical group;"
+    for file in three.msh none.msh; do
+        expect_status 0 "$program" quality $file
+        ! grep -q "elementary" err || fail "no group holds several of them: $file"
+    done
+done
+python3 entities.py triangles 7,7,7 lines >lines.msh
+expect_status 0 "$program" quality lines.msh
+expect_text "note: 5 nodes are held between elementary entities of one physical group;" # the lines hold the others
 finish

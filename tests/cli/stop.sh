@@ -55,6 +55,24 @@ for signal in INT TERM; do
     fi
 done
 
+# Before smoothing begins, a signal ends the program with one line. A pipe without an end keeps it reading.
+mkfifo endless.mesh
+for signal in INT TERM HUP; do
+    rm -f err
+    env --default-signal=INT,TERM,HUP "$program" smooth endless.mesh -o before.mesh --json before.json >out 2>err &
+    run=$!
+    exec 9>endless.mesh # returns as soon as planish has opened the pipe
+    kill -$signal $run
+    wait $run
+    status=$?
+    exec 9>&-
+    [ $status -eq $((128 + $(kill -l $signal))) ] || fail "SIG$signal before smoothing: status $status"
+    expect_one_line
+    expect_text "planish: endless.mesh: interrupted by a signal before smoothing began; nothing was written"
+    expect_no_file before.mesh before.json
+done
+rm endless.mesh
+
 # Of several meshes the rest is not smoothed; a mesh that failed before counts more than that.
 echo "no mesh" >wrong.mesh
 rm -f err

@@ -177,6 +177,7 @@ grep -q "^interrupted after" screen || fail "interrupted: $(cat screen)"
 mkfifo pipe.msh
 SIGNAL="INT:reading" on_terminal 130 80 "$program" smooth pipe.msh -o out.msh
 ! grep -q reading screen || fail "interrupted while it reads, and the line is still there: $(cat -v screen)"
+grep -q "^planish: pipe.msh: interrupted by a signal before smoothing began" screen || fail "interrupted: $(cat -v screen)"
 
 # -v: a line per sweep in columns below their names. -vv: one per colour as well.
 for mesh in in.mesh tangled.mesh; do

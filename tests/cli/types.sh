@@ -283,4 +283,36 @@ grep -q "^hexahedra.vtk: vtk, 8 hexahedra, 27 nodes" out || fail "counts: $(cat 
 expect_status 0 "$program" quality hexahedra.vtk tetrahedra.vtk types.vtk
 [ "$(awk 'NR > 2 { print $2 }' out | tr '\n' ' ')" = "8 12 62 " ] || fail "elements: $(cat out)"
 grep -q "^tetrahedra.vtk  *12  *0 .* -  *-$" out || fail "simplices beside others: $(cat out)"
+# Hexahedra below wedges whose triangles lie on the hexahedra's faces: a note counts them. Wedges on wedges are joined.
+cat >stacked.py <<'END2'
+import itertools
+import sys
+import box_file
+
+N = 4
+number = {at: i + 1 for i, at in enumerate(itertools.product(range(N + 1), repeat=3))}
+below = {(x, y, z): number[x, y, z] for x, y, z in number if z <= N // 2}
+above = {(x, y, z - N // 2): number[x, y, z] for x, y, z in number if z >= N // 2}
+sides = N, N, N // 2
+parts = box_file.elements(sys.argv[1], sides, below), box_file.elements("prisms", sides, above)
+print("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n%d" % len(number))
+for at, i in number.items():
+    print(i, *at)
+print("$EndNodes\n$Elements\n%d" % sum(map(len, parts)))
+for i, e in enumerate(parts[0] + parts[1]):
+    print(i + 1, 5 if len(e) == 8 else 6, 2, 1, 1, *e)
+print("$EndElements")
+END2
+python3 stacked.py hexes >stacked.msh || fail "stacked.msh"
+python3 stacked.py prisms >joined.msh || fail "joined.msh"
+for threads in 1 2; do
+    expect_status 0 "$program" smooth stacked.msh -o out.msh -j $threads --json report.json
+    expect_text "note: 16 quadrilateral faces lie against two triangles each: their 25 nodes stay as on the boundary; pyramids"
+    expect_json "r['mesh']['free_nodes'] == 2 * 9"
+done
+expect_status 0 "$program" smooth stacked.msh -o out.msh -q
+[ ! -s err ] || fail "notes with -q: $(cat err)"
+expect_status 0 "$program" smooth joined.msh -o out.msh --json report.json
+expect_json "r['mesh']['free_nodes'] == 3 * 9"
+! grep -q "quadrilateral faces" err || fail "wedges on wedges are joined: $(cat err)"
 finish

@@ -65,6 +65,7 @@ smooth in.msh -o out.msh --tolerence 0|unknown option '--tolerence'; did you mea
 smooth in.msh -o out.msh --objective best|must be radius-ratio, mean-ratio, edge-ratio or worst
 smooth in.msh -o out.msh --rings 2|--rings has no effect without --only-worse-than
 smooth in.msh -o out.msh --fix wall|there is no group 'wall' to hold; the file has: skin, bracket
+smooth in.msh -o out.msh --fix skn|there is no group 'skn' to hold; did you mean 'skin'? Try 'planish smooth --help'
 smooth in.msh -o out.xyz|and no extension of a format that planish converts to
 smooth - -o out.msh|standard input is /dev/stdin
 quality in.msh --rings 2|planish quality has no option --rings

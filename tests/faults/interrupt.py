@@ -141,8 +141,10 @@ class Runs:
             return "" if complete == set(outputs) else f"not complete: {before}"
         if status not in [-n for n in numbers]:
             return "exit status"
-        if error and "interrupted by a signal" not in error:  # the mesh was written by then
-            return "a message, though it was ended by the signal"
+        if error and "interrupted by a signal" not in error:
+            return "a message of something else than the signal"
+        if "nothing was written" in error and complete:
+            return f"something was written: {complete}"
         if len(numbers) == 1 and complete and numbers[0] in ENDS and \
                 self.scenario.arguments.startswith("smooth"):
             return "the first signal ended it after something had been written"

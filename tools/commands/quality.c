@@ -8,6 +8,7 @@
 
 #include "report/comparison.h"
 #include "job/curved.h"
+#include "job/entities.h"
 #include "job/held.h"
 #include "job/job.h"
 #include "job/layers.h"
@@ -90,6 +91,8 @@ static int measure_simplices(quality_run *r, pl_job *job, pl_measured *measured)
     if ((status = pl_job_count_bound(job)))
         return status;
     if ((status = pl_held_count(job)))
+        return status;
+    if (pl_job_is_told(job) && (status = pl_entities_count(job)))
         return status;
     if (pl_job_is_told(job) && (status = pl_job_count_slides(job)))
         return status;

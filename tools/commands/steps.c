@@ -7,11 +7,13 @@
 #include "commands/promises.h"
 #include "job/cells.h"
 #include "job/curved.h"
+#include "job/entities.h"
 #include "job/held.h"
 #include "job/layers.h"
 #include "job/moved.h"
 #include "job/onto.h"
 #include "job/states.h"
+#include "job/unjoined.h"
 #include "report/page.h"
 #include "report/table.h"
 #include "terminal/message.h"
@@ -137,6 +139,10 @@ static int prepare(pl_job *job, pl_result *result, pl_progress *progress) {
     if ((status = pl_job_count_bound(job)))
         return status;
     if ((status = pl_held_count(job)))
+        return status;
+    if (is_told && (status = pl_entities_count(job)))
+        return status;
+    if (is_told && (status = pl_unjoined_count(job)))
         return status;
     print_plan(job);
     if (is_told && (status = pl_job_count_slides(job)))

@@ -161,8 +161,12 @@ int pl_held_count(pl_job *job) {
     *held = (pl_held){.is_known = 0};
     if (!is_asked)
         return 0;
-    const int status = pl_held_find(job, &bits);
-    for (int64_t i = 0; bits && i < job->mesh.n_nodes; i++) {
+    int status = pl_held_find(job, &bits);
+    if (!status && job->layers.n_held > 0)
+        status = pl_job_need_released_by(job);
+    for (int64_t i = 0; !status && bits && i < job->mesh.n_nodes; i++) {
+        if (job->layers.n_held > 0 && bits[i] == 1 << PL_HELD_BY_LAYERS)
+            job->released_by[i] |= PL_RELEASED_BY_LAYERS;
         int reason = 0;
         while (reason < PL_N_HELD_BY && !(bits[i] >> reason & 1))
             reason++;

@@ -547,6 +547,7 @@ int pl_job_read(pl_job *job, const pl_arguments *arguments, const pl_engine *eng
         return pl_complain_usage(pl_command_name(arguments->command),
                                  "'-' is not a file; standard input is /dev/stdin");
     pl_signals_set_input(arguments->input);
+    pl_signals_set_before_smoothing(arguments->command == PL_COMMAND_SMOOTH);
     int status = 0;
     const char *target = pl_arguments_target(arguments);
     if (target && engine != &pl_engine_here)
@@ -689,6 +690,12 @@ int pl_job_count_bound(pl_job *job) {
     return status;
 }
 
+int pl_job_need_released_by(pl_job *job) {
+    if (!job->released_by)
+        job->released_by = calloc((size_t)job->mesh.n_nodes + 1, 1);
+    return job->released_by ? 0 : pl_job_complain_memory(job, "values of nodes");
+}
+
 int pl_job_count_slides(pl_job *job) {
     const double begin = pl_seconds();
     const size_t n = (size_t)job->mesh.n_nodes + 1;
@@ -705,8 +712,13 @@ int pl_job_count_slides(pl_job *job) {
         status = pl_job_get_free(job, is_inside);
     if (!status)
         status = find_slides(job, is_inside, constraint, direction);
+    if (!status)
+        status = pl_job_need_released_by(job);
     for (int64_t i = 0; !status && i < job->mesh.n_nodes; i++)
-        n_sliding += constraint[i] > PLANISH_CONSTRAINT_FIXED;
+        if (constraint[i] > PLANISH_CONSTRAINT_FIXED) {
+            job->released_by[i] |= PL_RELEASED_BY_SLIDE;
+            n_sliding++;
+        }
     if (!status)
         job->could_slide = n_sliding;
     free(constraint);
@@ -818,6 +830,7 @@ void pl_job_close(pl_job *job) {
     free(job->wrapped);
     free(job->is_layer);
     free(job->in_layer);
+    free(job->released_by);
     free(job->direction);
     free(job->constraint);
     planish_file_close(job->file);

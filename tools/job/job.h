@@ -91,6 +91,9 @@ typedef struct pl_traffic {
     double wait_seconds; /* of the process that has waited longest for others */
 } pl_traffic;
 
+/* Options that would let a held node move or slide. */
+enum { PL_RELEASED_BY_SLIDE = 1, PL_RELEASED_BY_LAYERS = 2 };
+
 typedef struct pl_job {
     const pl_arguments *arguments; /* the caller's, or own */
     const pl_engine *engine;       /* the caller's, or that of surfaces */
@@ -118,7 +121,11 @@ typedef struct pl_job {
     pl_curved curved;
     pl_onto onto;
     pl_like like;
-    int64_t could_slide;       /* nodes that would with --slide auto; -1: not looked for */
+    int64_t could_slide;  /* nodes that would with --slide auto; -1: not looked for */
+    uint8_t *released_by; /* [mesh.n_nodes] bits PL_RELEASED_BY_ of held nodes; owned, or NULL: not
+                                  looked for */
+    int64_t n_between_entities;                 /* see entities.h */
+    int64_t n_unjoined_faces, n_unjoined_nodes; /* see unjoined.h */
     int64_t n_with_parameters; /* nodes that may move and have parameters of the geometry */
     int64_t n_supported;       /* nodes that may move and have boundary conditions */
     double *min_volume;        /* [mesh.n_elements] owned, or NULL: no group has one of its own */
@@ -187,8 +194,11 @@ int pl_job_is_told(const pl_job *job);
  *  do not. */
 int pl_job_count_bound(pl_job *job);
 
-/** Count the nodes that could slide, if none shall and any may move; there is a plan. */
+/** Count and mark the nodes that could slide, if none shall and any may move; there is a plan. */
 int pl_job_count_slides(pl_job *job);
+
+/** Make room for the marks of held nodes, job->released_by, unless there is room already. */
+int pl_job_need_released_by(pl_job *job);
 
 /** is_free [mesh.n_nodes] as planish_plan_get_free. */
 int pl_job_get_free(const pl_job *job, uint8_t *is_free);

@@ -1,5 +1,5 @@
-/* exchange: what processes that share a mesh tell one another while planish works, by MPI: the four
- * functions of planish_part; and values that they collect in the first one.
+/* exchange: messages by MPI between the processes that share a mesh: the four functions of
+ * planish_part, and values that the first process collects.
  *
  *     pl_exchange_*             values of ghosts
  *     pl_gathering_*            how many values of each process the first one gets

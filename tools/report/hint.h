@@ -1,4 +1,4 @@
-/* hint: what would help more. */
+/* hint: the option that would improve the worst element further. */
 #ifndef PL_TOOLS_HINT_H
 #define PL_TOOLS_HINT_H
 
@@ -6,8 +6,8 @@
 
 #include <stdio.h>
 
-/** Print a line on why the worst element is no better after smoothing, and the option that would let it
- *  be; nothing where no option is known to help. */
+/** Print why the worst element has not become better by smoothing, and the option that would let its nodes
+ *  move. Print nothing where no option is known to help. */
 void pl_hint_print(FILE *stream, const pl_job *job, const pl_result *result);
 
 #endif

@@ -5,7 +5,9 @@
 #include "report/table.h"
 #include "options/combinations.h"
 
+#include "job/entities.h"
 #include "job/surface.h"
+#include "job/unjoined.h"
 #include "terminal/histogram.h"
 #include "terminal/message.h"
 #include "terminal/terminal.h"
@@ -873,6 +875,8 @@ void pl_table_oddities(FILE *stream, const pl_job *job) {
         pl_surface_note(stream, job);
     else
         note_regions(stream, job);
+    pl_entities_note(stream, job);
+    pl_unjoined_note(stream, job);
     if (job->file_info.is_unterminated) {
         /* Of several inputs the notes of each are named. */
         const char *open = planish_file_unterminated_path(job->file);

@@ -11,34 +11,39 @@
 
 enum { MESSAGE_SIZE = 1024 };
 
-/** Text and tail on one line, whatever file names or tags brought into text; the word before it, or
- *  all of it, in style. */
+/** Whether text ends as a question does. */
+static int is_question(const char *text) {
+    const size_t length = strlen(text);
+    return length > 0 && text[length - 1] == '?';
+}
+
+/** Print text on one line, whatever file names or tags brought into it; the word before it, or all of it,
+ *  in style. hint: the command that helps further, or NULL. */
 static void print_line(FILE *stream, pl_style style, const char *word, const char *format,
-                       va_list arguments, const char *tail) {
+                       va_list arguments, const char *hint) {
     char text[MESSAGE_SIZE];
     const int is_whole = style == PL_STYLE_NOTE;
     vsnprintf(text, sizeof text, format, arguments);
     pl_text_clean(text);
     pl_line_clear();
     const char *begin = pl_style_begin(stream, style), *end = pl_style_end(stream, style);
-    fprintf(stream, "%s%s%s %s%s%s\n", begin, word, is_whole ? "" : end, text, tail,
-            is_whole ? end : "");
+    fprintf(stream, "%s%s%s %s", begin, word, is_whole ? "" : end, text);
+    if (hint)
+        fprintf(stream, "%s '%s'", is_question(text) ? " Try" : "; try", hint);
+    fprintf(stream, "%s\n", is_whole ? end : "");
 }
 
 int pl_complain(int status, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
-    print_line(stderr, PL_STYLE_ERROR, "planish:", format, arguments, "");
+    print_line(stderr, PL_STYLE_ERROR, "planish:", format, arguments, NULL);
     va_end(arguments);
     return status;
 }
 
 int pl_complain_usage(const char *command, const char *format, ...) {
     char hint[64];
-    const size_t length = strlen(format);
-    const int is_question = length > 0 && format[length - 1] == '?';
-    snprintf(hint, sizeof hint, "%s 'planish %s%s--help'", is_question ? " Try" : "; try",
-             command ? command : "", command ? " " : "");
+    snprintf(hint, sizeof hint, "planish %s%s--help", command ? command : "", command ? " " : "");
     va_list arguments;
     va_start(arguments, format);
     print_line(stderr, PL_STYLE_ERROR, "planish:", format, arguments, hint);
@@ -49,7 +54,7 @@ int pl_complain_usage(const char *command, const char *format, ...) {
 void pl_note(FILE *stream, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
-    print_line(stream, PL_STYLE_NOTE, "note:", format, arguments, "");
+    print_line(stream, PL_STYLE_NOTE, "note:", format, arguments, NULL);
     va_end(arguments);
 }
 

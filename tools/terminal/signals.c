@@ -20,6 +20,7 @@ static atomic_int status_now = PL_EXIT_FAILED; /* if somebody else ends the prog
 static char temporary_paths[PL_N_TEMPORARIES][PL_TEMPORARY_SIZE];
 static char input_name[PL_INPUT_NAME_SIZE]; /* as it can be shown */
 static atomic_int input_is_named;
+static atomic_int is_before_smoothing;
 
 static void say(const char *text) {
     const ssize_t written = write(STDERR_FILENO, text, (unsigned)strlen(text));
@@ -52,8 +53,23 @@ void pl_signals_end(const char *text) {
     _exit(atomic_load(&status_now));
 }
 
+void pl_signals_say_ended(void) {
+    if (!atomic_load(&input_is_named))
+        return;
+    say("planish: ");
+    say(input_name);
+    say(atomic_load(&is_before_smoothing)
+            ? ": interrupted by a signal before smoothing began; nothing was written\n"
+            : ": interrupted by a signal\n");
+}
+
+void pl_signals_set_before_smoothing(int is_before) {
+    atomic_store(&is_before_smoothing, is_before);
+}
+
 void pl_signals_set_input(const char *path) {
     atomic_store(&input_is_named, 0);
+    atomic_store(&is_before_smoothing, 0);
     atomic_store(&status_now, PL_EXIT_FAILED); /* of several meshes the next one is not written */
     if (!path)
         return;

@@ -1,13 +1,15 @@
 /* signals: what the program does when it is told to stop.
  *
- * The first SIGINT, SIGTERM or SIGHUP asks the smoothing to stop after the colour it is at; the
- * second one ends the program at once, temporary files removed. An input that shrinks while it is
+ * Before smoothing begins, SIGINT, SIGTERM and SIGHUP end the program with a line. Then the first one
+ * asks the smoothing to stop after the colour it is at; the second one ends the program at once,
+ * temporary files removed. An input that shrinks while it is
  * mapped, as large ones are (SIGBUS), ends it with one line that names it. A reader that goes away
  * makes writing fail (SIGPIPE is ignored), so that it is reported like any other failure to write.
  *
  *     pl_signals_install, _install_stop, _done         for main and the commands
  *     pl_signals_stop_asked                            for the smoothing
- *     pl_signals_set_input, _set_written, _temporary   what a signal has to know
+ *     pl_signals_set_input, _set_before_smoothing,
+ *     _set_written, _temporary                         state that a signal has to know
  *     the others                                       between signals.c and the systems' files
  */
 #ifndef PL_TOOLS_SIGNALS_H
@@ -38,17 +40,29 @@ void pl_signals_install(void);
  *  stop. */
 void pl_signals_install_stop(void);
 
-/** For the two files that meet signals, and by them: let signals end the program as said; take the
- *  line away that is shown, and remove what is half written; that, and end with a line of text; ask
- *  to stop: whether that had been asked before. */
+/* For signals_posix.c and signals_windows.c, and by them: */
+
+/** Let signals end the program. */
 void pl_signals_install_ends(void);
+
+/** Take the shown line away, and remove half-written files. */
 void pl_signals_clean_up(void);
+
+/** Print one line that a signal ends the program; nothing where no input is named. */
+void pl_signals_say_ended(void);
+
+/** Clean up, print text, and end the program. */
 void pl_signals_end(const char *text);
+
+/** Ask to stop. Returns whether that had been asked before. */
 int pl_signals_ask_stop(void);
 
-/** Name the input that is in use from now on, for the line about one that shrinks; NULL: none is.
- */
+/** Name the input that is in use from now on, for the lines about a signal and about an input that shrinks;
+ *  NULL: none is. */
 void pl_signals_set_input(const char *path);
+
+/** Say whether the mesh is going to be smoothed, and nothing of it has been written. */
+void pl_signals_set_before_smoothing(int is_before);
 
 /** For the two files that meet signals: end because the input has become shorter. */
 void pl_signals_end_shorter(void);

@@ -22,6 +22,7 @@ static void on_end(int signal_number) {
     if (is_passed_on(signal_number))
         return;
     pl_signals_clean_up();
+    pl_signals_say_ended();
     /* The signal is blocked in here: raised again, it ends the program as this returns, and the
      * parent sees what it was ended by. */
     signal(signal_number, SIG_DFL);
@@ -96,5 +97,6 @@ void pl_signals_install_ends(void) {
 }
 
 void pl_signals_install_stop(void) {
+    pl_signals_set_before_smoothing(0);
     handle_ends(on_stop);
 }

@@ -13,6 +13,7 @@ static BOOL WINAPI on_event(DWORD event) {
     if (is_key && atomic_load(&first_asks) && !pl_signals_ask_stop())
         return TRUE;
     pl_signals_clean_up();
+    pl_signals_say_ended();
     return FALSE;
 }
 
@@ -21,5 +22,6 @@ void pl_signals_install_ends(void) {
 }
 
 void pl_signals_install_stop(void) {
+    pl_signals_set_before_smoothing(0);
     atomic_store(&first_asks, 1);
 }

@@ -1,11 +1,11 @@
-! smooth: triangles of a square with their nodes off their places, smoothed by planish from Fortran.
+! smooth: smooth the triangles of a square with displaced nodes by planish, from Fortran.
 !
 !   gfortran smooth.f90 -o smooth -lplanish && ./smooth
 module planish
   use, intrinsic :: iso_c_binding
   implicit none
 
-  type, bind(c) :: planish_mesh ! zeros for all that is not said
+  type, bind(c) :: planish_mesh ! unused fields are zero
     integer(c_int) :: dim = 0
     integer(c_int64_t) :: n_nodes = 0, n_elements = 0
     type(c_ptr) :: coordinates = c_null_ptr, elements = c_null_ptr

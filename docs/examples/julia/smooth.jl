@@ -1,9 +1,9 @@
-# smooth: triangles of a square with their nodes off their places, smoothed by planish from Julia.
+# smooth: smooth the triangles of a square with displaced nodes by planish, from Julia.
 #
 #   julia smooth.jl
 const lib = get(ENV, "PLANISH_LIBRARY", "libplanish.so.0.2")
 
-struct Mesh # planish_mesh: zeros for all that is not said
+struct Mesh # planish_mesh: unused fields are zero
     dim::Cint
     n_nodes::Int64; n_elements::Int64
     coordinates::Ptr{Float64}; elements::Ptr{Int32}
@@ -37,7 +37,7 @@ function worst(plan, xy, n)
 end
 
 const n = 20 # squares of a side
-# Nodes on a grid, inner ones up to 0.4 of a square off it, and two triangles a square.
+# Nodes on a grid, inner ones displaced by up to 0.4 of a square, and two triangles for each square.
 off(i, j) = i % n == 0 || j % n == 0 ? 0.0 : 0.4
 xy = reduce(hcat, [[i + off(i, j) * sin(7i + 13j), j + off(i, j) * cos(2 * (7i + 13j))] for j in 0:n for i in 0:n])
 corner = [j * (n + 1) + i for j in 0:n-1 for i in 0:n-1] # nodes are counted from 0

@@ -3,8 +3,8 @@
     As a macro: select meshes (none: all of the document), run it.
     freecadcmd PART.FCStd freecad_smooth.py      smooths all meshes and saves PART.FCStd
 
-FreeCAD finds the nodes of loads and constraints by their places on the faces of the part. --slide auto keeps all of
-these places. --slide curved moves nodes within a tolerance, and curved faces lose their loads.
+FreeCAD finds the nodes of loads and constraints by their places on the faces of the part. With --slide auto nodes stay on
+these faces. With --slide curved nodes may leave curved faces, within a tolerance, and these faces lose their loads.
 """
 import os
 import subprocess
@@ -17,7 +17,7 @@ PLANISH, OPTIONS = "planish", ["--slide", "auto", "--objective", "worst"]
 
 
 def smooth(mesh):
-    """Smooth the mesh of a document's object: by UNV, which keeps numbers, groups and all digits."""
+    """Smooth the mesh of an object of the document, by a UNV file, which keeps numbers, groups and all digits."""
     with tempfile.TemporaryDirectory() as folder:
         before, after = os.path.join(folder, "before.unv"), os.path.join(folder, "after.unv")
         mesh.FemMesh.write(before)

@@ -13,7 +13,7 @@ from salome.smesh import smeshBuilder
 
 
 def smooth(mesh, *options):
-    """Return a smoothed copy of a mesh, without its geometry. options are the program's."""
+    """Return a smoothed copy of a mesh, without its geometry. options: of planish smooth; RuntimeError if it fails."""
     with tempfile.TemporaryDirectory() as folder:
         before, after = os.path.join(folder, "before.med"), os.path.join(folder, "after.med")
         mesh.ExportMED(before)

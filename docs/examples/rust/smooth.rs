@@ -1,11 +1,11 @@
-// smooth: triangles of a square with their nodes off their places, smoothed by planish from Rust.
+// smooth: smooth the triangles of a square with displaced nodes by planish, from Rust.
 //
 //   rustc -O smooth.rs -l planish && ./smooth
 use std::os::raw::{c_char, c_int, c_void};
 use std::ptr::{null, null_mut};
 
 #[repr(C)]
-struct Mesh { // planish_mesh: zeros for all that is not said
+struct Mesh { // planish_mesh: unused fields are zero
     dim: c_int,
     n_nodes: i64, n_elements: i64,
     coordinates: *const f64, elements: *const i32,
@@ -35,7 +35,7 @@ extern "C" {
 
 const N: usize = 20; // squares of a side
 
-/// Nodes on a grid, inner ones up to 0.4 of a square off it, and two triangles a square.
+/// Nodes on a grid, inner ones displaced by up to 0.4 of a square, and two triangles for each square.
 fn make_mesh() -> (Vec<f64>, Vec<i32>) {
     let (mut xy, mut triangles) = (vec![], vec![]);
     for j in 0..=N {

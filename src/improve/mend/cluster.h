@@ -1,7 +1,7 @@
 /* cluster: nodes that are moved together, and the elements at them.
  *
- * A cluster is filled (_add_element, _add_nodes), begun, moved, and emptied again. It is moved serially, in
- * the order in which nodes were added: the same bits on any number of threads.
+ * A cluster is filled (_add_element, _add_nodes), begun, moved, and emptied again. It is moved
+ * serially, in the order in which nodes were added: the same bits on any number of threads.
  */
 #ifndef PL_IMPROVE_MEND_CLUSTER_H
 #define PL_IMPROVE_MEND_CLUSTER_H
@@ -32,7 +32,8 @@ void pl_cluster_empty(pl_cluster *c);
 /** Add an element, if it is not there. */
 void pl_cluster_add_element(pl_cluster *c, int32_t element);
 
-/** Add the nodes of an element that are mids, or (with_corners) free corners, and the elements at them. */
+/** Add the nodes of an element that are mids, or (with_corners) free corners, and the elements at
+ *  them. */
 void pl_cluster_add_nodes(pl_cluster *c, int64_t element, int with_corners);
 
 /** Set the wanted D of the elements: their own as straight ones, or the mean around where that is not
@@ -48,7 +49,7 @@ void pl_cluster_save(pl_cluster *c);
 /** Return all nodes to the places that were kept. */
 void pl_cluster_restore(const pl_cluster *c);
 
-/** Return the nodes of elements that were valid and are not, until there is no such element. */
+/** Return nodes to their places until no element that was valid before is invalid. */
 void pl_cluster_restore_invalid(const pl_cluster *c);
 
 /** Whether the present places can be taken: fewer elements are invalid, or (or_as_many) as many, and

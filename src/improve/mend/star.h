@@ -33,9 +33,9 @@ double pl_mend_straight(const pl_mend *c, int64_t element);
  *  the wanted one, of elements that are not given up. */
 double pl_mend_star_energy(pl_mend_star *s, const pl_handle *h, double epsilon, double *least);
 
-/** Visit the star of h: lower its energy with epsilon > 0, or the sum of its mean ratios (epsilon 0),
- *  where elements with a row that is not positive count as given up. Returns by how much that has
- *  fallen, relative; 0: the node has not moved. */
+/** Visit the star of h: lower its energy with epsilon > 0, or the sum of its mean ratios (epsilon
+ *  0). With epsilon 0, elements with a row that is not positive count as given up. Returns by how
+ *  much that has fallen, relative; 0: the node has not moved. */
 double pl_mend_star_visit(pl_mend_star *s, pl_handle *h, double epsilon);
 
 #endif

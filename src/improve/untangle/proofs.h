@@ -15,19 +15,19 @@ typedef struct pl_infeasible {
 } pl_infeasible;
 
 /** Turn PLANISH_VOLUME_BELOW into _INFEASIBLE in state [n_elements] for elements that are not
- *  positive and among those that free nodes join, if what the held nodes around these enclose is
- *  not positive: not all of them can be, wherever the free nodes are. x: coordinates by inner
- *  numbers. given_up [n_nodes] by inner numbers (may be NULL) becomes 1 at their free nodes. *n: how
- *  many elements it were; none in a mesh in parts. Errors: _MEMORY. */
+ *  positive, in components of elements joined by free nodes, if the held nodes around the component
+ *  enclose no positive volume: not all of them can be, wherever the free nodes are. x: coordinates
+ *  by inner numbers. given_up [n_nodes] by inner numbers (may be NULL) becomes 1 at their free
+ *  nodes. *n: how many elements it were; none in a mesh in parts. Errors: _MEMORY. */
 int pl_mark_enclosed(const planish_plan *plan, const double *x, uint8_t *state, uint8_t *given_up,
                      int64_t *n, planish_error *error);
 
 /** Turn _BELOW into _INFEASIBLE in state [m] where the element cannot reach its minimum volume: it
  * has no free node, or it is part of a proof (pl_star_infeasible) at its only one. The coordinates,
- * and the guard, are the problem's. If part is not NULL only elements that have no free node or are
- * given up are marked, the latter whatever their state was, and *part becomes [link facets of all
- * stars] of pl_proof_role, to be released by pl_free. limit (may be
- * NULL) ends the search; its answer is then the largest of the processes. Errors: _MEMORY. */
+ * and the guard, are the problem's. If part is not NULL, mark only elements that have no free node
+ * or are given up; the latter whatever their state was. *part then becomes [link facets of all
+ * stars] of pl_proof_role, to be released by pl_free. limit (may be NULL) ends the search; its
+ * answer is then the largest of the processes. Errors: _MEMORY. */
 int pl_mark_infeasible(const planish_plan *plan, const pl_star_problem *problem, uint8_t *state,
                        pl_stop_check *limit, pl_infeasible *found, uint8_t **part,
                        planish_error *error);

@@ -4,7 +4,7 @@
  *   sizes.c       pl_tangle_find_sizes                 how large elements should be
  *
  * untangle.c has the ladder (improve.h). Where elements are corners of cells (quality/view.h), the
- * state is that of each corner; what is counted, given up or returned is a cell.
+ * state is that of each corner; elements that are counted, given up or returned are cells.
  */
 #ifndef PL_IMPROVE_UNTANGLE_TANGLE_H
 #define PL_IMPROVE_UNTANGLE_TANGLE_H
@@ -50,8 +50,9 @@ typedef struct pl_tangle {
 /* ---- tangle.c ------------------------------------------------------------------------------ */
 
 /** Look at the mesh as the run has measured it: what is tangled, and what of that cannot be helped?
- *  raises: elements are to be raised to their minimum volumes, else just made positive. n_tangled 0: there
- *  is nothing to be done, and nothing else is set. Errors: _MEMORY. To be destroyed in any case. */
+ *  raises: elements are to be raised to their minimum volumes, else just made positive. n_tangled
+ *  0: there is nothing to be done, and nothing else is set. Errors: _MEMORY. To be destroyed in any
+ *  case. */
 int pl_tangle_create(pl_run *r, int raises, pl_tangle *t, planish_error *error);
 
 /** Free the arrays of t. */
@@ -93,7 +94,7 @@ double pl_tangle_energy(const pl_tangle *t);
 /* ---- sizes.c ------------------------------------------------------------------------------- */
 
 /** Find how large the elements should be around each node: as they are now on average, inverted
- * ones counting negative. Without memory they are what they were. */
+ * ones counting negative. Without memory they do not change. */
 void pl_tangle_find_sizes(pl_tangle *t);
 
 #endif

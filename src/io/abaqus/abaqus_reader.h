@@ -1,4 +1,5 @@
-/* abaqus_reader: what the files of the reader of Abaqus input files share; for abaqus*.c only.
+/* abaqus_reader: declarations that the files of the reader of Abaqus input files share; for
+ * abaqus*.c only.
  *
  *   abaqus_reader                            a file while it is read
  *   abaqus_line, abaqus_item, ...            lines, items and blocks (abaqus_blocks.c)

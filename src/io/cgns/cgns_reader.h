@@ -1,4 +1,4 @@
-/* cgns_reader: what the parts of the reader of CGNS files share; for cgns*.c only.
+/* cgns_reader: declarations that the parts of the reader of CGNS files share; for cgns*.c only.
  *
  *   cgns_child, _children, _integers, _text    nodes of CGNS and their data (cgns_node.c)
  *   cgns_read_elements                         sections of elements

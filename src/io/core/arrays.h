@@ -1,14 +1,14 @@
-/* arrays: arrays of one number per cell of a file, which may tell regions.
+/* arrays: arrays of one number per cell of a file, which may be regions.
  *
  *   io_array_begin, _put, _end, _drop           an array of values by cell
  *   io_array_begin_elements, _put_element ...   or by element
  *   io_arrays_find_regions, io_arrays_choose    arrays make regions
  *
  * A reader fills in those whose values are whole numbers at all elements (io_model_elements and
- * io_model_other_elements, one after the other). When
- * all has been read, planish_find_regions says which of them tell regions, or the user does. They
- * split the regions that the file's entities make, if it has entities of its own (Gmsh, CGNS); a
- * reader that fills in io_cells.region itself has no arrays.
+ * io_model_other_elements, one after the other). When all has been read, planish_find_regions, or
+ * the user, decides which of them are regions. They split the regions that the file's entities
+ * make, if it has entities of its own (Gmsh, CGNS); a reader that fills in io_cells.region itself
+ * has no arrays.
  */
 #ifndef PL_IO_CORE_ARRAYS_H
 #define PL_IO_CORE_ARRAYS_H
@@ -55,10 +55,10 @@ int io_array_whole(double real, int64_t *value);
 /** Give the array to the model, or release it where it is broken or an element has no value. */
 int io_array_end(io_model *model, io_array_filler *filler, planish_error *error);
 
-/** Release what io_array_begin has made, without giving it to the model. */
+/** Release an array of io_array_begin without giving it to the model. */
 void io_array_drop(io_array_filler *filler);
 
-/** Let the arrays that tell regions make the regions of cells. All has been read, and the model is
+/** Make the regions of cells from the arrays that are regions. All has been read, and the model is
  *  to be finished. cells: all elements; NULL: simplices alone. */
 int io_arrays_find_regions(io_model *model, const planish_cells *cells, planish_error *error);
 

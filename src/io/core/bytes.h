@@ -10,11 +10,11 @@
 
 #include "io/core/model.h"
 
-/* Readers look at some bytes several times. What they conclude from the first look must hold at the
- * second one, though others may write to the file meanwhile. So files of up to this size are read
- * into private memory, where nobody can change or shorten them: most meshes are smaller, and the
- * copy costs some milliseconds. Larger files are mapped, as the copy would be a good part of the
- * memory that smoothing takes; readers bound every second look by the first one. */
+/* Readers look at some bytes several times. Their conclusions from the first look must hold at the
+ * second one, although others may write to the file in between. So files of up to this size are
+ * read into private memory, where nobody can change or shorten them: most meshes are smaller, and
+ * the copy costs some milliseconds. Larger files are mapped, as the copy would be a good part of
+ * the memory that smoothing takes; readers bound every second look by the first one. */
 #define IO_LARGEST_COPY ((int64_t)64 << 20)
 
 /** Read the regular file at path if it has at most largest_copy bytes, or map it; read anything

@@ -1,4 +1,4 @@
-/* cell_types: what the model knows of a planish_cell_type.
+/* cell_types: properties of a planish_cell_type in the model.
  *
  *   io_cell_type_nodes, _corners, _dim   number of nodes and corners, dimension
  *   io_cell_type_is_smoothed             whether its nodes may move

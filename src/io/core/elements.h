@@ -1,4 +1,4 @@
-/* elements: the table of element types that each format fills in, and what follows from a row.
+/* elements: the table of element types that each format fills in, and the properties of a row.
  *
  *   io_shape, io_element_type    a row: shape, order, number of nodes
  *   io_element_dim               dimension of a type
@@ -70,9 +70,9 @@ static inline int io_element_mids(const io_element_type *type) {
     return is_simplex && type->nodes == dim + 1 + n ? n : 0;
 }
 
-/** Treatment of the elements of a type: lines, triangles and tetrahedra of first order, and of second
- *  order with mids (io_cells_set_mids), are kept, triangles and tetrahedra of third order or higher
- *  are refused, all others are others or hold their nodes. */
+/** Treatment of the elements of a type: lines, triangles and tetrahedra of first order, and of
+ *  second order with mids (io_cells_set_mids), are kept. Triangles and tetrahedra of third order or
+ *  higher are refused. All others are others, or hold their nodes. */
 static inline io_element_treatment io_element_use(const io_element_type *type) {
     const int is_flat = type->shape == IO_TRIANGLE, is_solid = type->shape == IO_TETRAHEDRON;
     if (type->shape != IO_LINE && !is_flat && !is_solid)

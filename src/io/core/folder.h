@@ -27,7 +27,7 @@ char *io_folder_path(const io_model *model, const char *name);
 int io_folder_open(io_model *model, const char *name, int may_be_packed, int needed,
                    io_folder_file *file, planish_error *error);
 
-/** Release what the file has of its own. */
+/** Release the memory of the file. */
 void io_folder_close(io_folder_file *file);
 
 #endif

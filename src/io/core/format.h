@@ -20,7 +20,7 @@ struct io_losses;
 /** Kind of file that a mesh of any format can be converted to. */
 typedef struct io_target {
     const char *name; /* as in --to; NULL ends a list */
-    /** Write the mesh to output, and note what is left out. */
+    /** Write the mesh to output, and note the data that the format cannot store. */
     int (*write)(const struct io_view *view, pl_output *output, struct io_losses *losses,
                  planish_error *error);
 } io_target;
@@ -39,8 +39,7 @@ typedef struct io_folder {
     int (*is_copied)(const char *name); /* whether a file of that name is; NULL: all are */
 } io_folder;
 
-/** Description of a format. docs/formats.md, "A new format", says in which order a reader calls
- *  what.
+/** Description of a format. docs/formats.md, "A new format", has the order of a reader's calls.
  *
  *  recognise is asked before the name of the file. It gets any bytes, not only those of a mesh: the
  *  first 256 kB at most, unless the file is HDF5. The first format of the table in
@@ -82,9 +81,9 @@ typedef struct io_format {
      *  these stand; NULL: spans say all. */
     int (*encode)(const io_model *model, const double *coordinates, int threads, io_edits *edits,
                   planish_error *error);
-    /** Change in the finished copy, output, what neither spans nor encode can say (compressed
-     *  coordinates). If that goes to a pipe or device: before anything is written, fail if there is
-     *  any such change. NULL: there is nothing of the kind. */
+    /** Make the changes in the finished copy, output, that neither spans nor encode describe
+     *  (compressed coordinates). If that goes to a pipe or device: before anything is written, fail
+     *  if there is any such change. NULL: there is nothing of the kind. */
     int (*amend)(const io_model *model, const double *coordinates, pl_output *output,
                  planish_error *error);
     /** Read the values [n][data->width] of an array of model->data: of all nodes, or of the elements

@@ -13,11 +13,13 @@
 int io_is_gzip(const char *data, int64_t size);
 
 /** Unpack all parts of a file into private memory under the same path; at most a quarter of the
- *  machine's memory. Errors: _FORMAT (damage; planish was built without zlib), _FILE (too large), _MEMORY. */
+ *  machine's memory. Errors: _FORMAT (damage; planish was built without zlib), _FILE (too large),
+ *  _MEMORY. */
 int io_gunzip(const io_bytes *packed, io_bytes *bytes, planish_error *error);
 
-/** Let what is written to output be packed, with the header of the packed file like (its name and time)
- *  and about as well. It is one part, whatever like was. Errors: _FORMAT, _MEMORY, _FILE. */
+/** Pack the bytes that are written to output, with the header (name and time) and about the
+ *  strength of the packed file like. It is one part, whatever like was. Errors: _FORMAT, _MEMORY,
+ *  _FILE. */
 int io_gzip_begin(pl_output *output, const io_bytes *like, planish_error *error);
 
 /** Release the state of packing; in any case after io_gzip_begin. */

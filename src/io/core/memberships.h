@@ -1,4 +1,4 @@
-/* memberships: which sets each of many things is in, and the entities of the model that come of it.
+/* memberships: the sets that each of many things is in, and the entities of the model for them.
  *
  *   io_memberships_begin, _add, _counted, _destroy   make the lists
  *   io_memberships_renumber                          give sets other numbers
@@ -6,7 +6,7 @@
  *
  * Every set says twice what is in it: the first time that is counted, the second time listed. If it
  * says something else the second time, as its file has changed, the lists are wrong, but no memory
- * is. The model owns what comes of it.
+ * is. The model owns the results.
  */
 #ifndef PL_IO_CORE_MEMBERSHIPS_H
 #define PL_IO_CORE_MEMBERSHIPS_H

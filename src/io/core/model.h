@@ -1,4 +1,4 @@
-/* model: what every reader fills in and the one writer uses.
+/* model: the structure that every reader fills in and the one writer uses.
  *
  *   io_model                            a file that is read: its input, nodes, cells, groups
  *   io_cursor, io_bytes                 places in the input, and its bytes
@@ -518,7 +518,7 @@ void io_edits_destroy(io_edits *edits);
 
 /** Table from the file's node numbers to indices, for files whose numbers are not 1 .. n. */
 typedef struct io_numbers io_numbers;
-/** Make a table of numbers [n], of nodes or what they are of, in the file at path; any order, any
+/** Make a table of numbers [n], of nodes or other things, in the file at path; any order, any
  *  gaps. Fail with _FORMAT on a number that occurs twice. */
 int io_numbers_create(const char *path, const char *what, const int64_t *numbers, int64_t n,
                       io_numbers **table, planish_error *error);

@@ -12,11 +12,11 @@
  *
  * A reader gives a function that reads records begin .. end-1 from a cursor that stands on the
  * first of them. Where records are many, io_text_records finds the places between (by an index of
- * the file's tokens) and threads read chunks of them; otherwise, and when any chunk fails, the
- * same function reads all of them in order, so that errors are those of the first bad record.
- * Before a comment nothing is read by threads: its words are tokens to the index and none to the
- * reader, and what a pass notes of misplaced records (nodes that are held) could not be taken back.
- * Nothing is assumed about lines: records are as many tokens as the caller says.
+ * the file's tokens) and threads read chunks of them; otherwise, and when any chunk fails, the same
+ * function reads all of them in order, so that errors are those of the first bad record. Before a
+ * comment nothing is read by threads: its words are tokens to the index, but not to the reader, and
+ * notes of a pass on misplaced records (held nodes) could not be taken back. Nothing is assumed
+ * about lines: records are as many tokens as the caller says.
  */
 #ifndef PL_IO_CORE_RECORDS_H
 #define PL_IO_CORE_RECORDS_H

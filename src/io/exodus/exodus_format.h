@@ -1,4 +1,4 @@
-/* exodus_format: what the reader and the writer of Exodus files both know.
+/* exodus_format: the definitions that the reader and the writer of Exodus files share.
  *
  *   exodus_name, exodus_name_of, exodus_values_name    names of variables
  *   exodus_node_orders                                 orders of nodes

@@ -35,8 +35,8 @@ typedef struct exodus_groups {
  *  released in any case. Error: _MEMORY. */
 int exodus_groups_of_nodes(const io_view *view, exodus_groups *groups, planish_error *error);
 
-/** Make the side sets of a mesh: of groups of facets, and by the numbers of facets in no group. Facets
- *  that are no sides are in none. To be released in any case. Error: _MEMORY. */
+/** Make the side sets of a mesh: of groups of facets, and by the numbers of facets in no group.
+ *  Facets that are not sides are in none. To be released in any case. Error: _MEMORY. */
 int exodus_groups_of_facets(const io_view *view, const io_view_blocks *blocks,
                             const exodus_facets *facets, exodus_groups *groups,
                             planish_error *error);

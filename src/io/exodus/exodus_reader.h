@@ -1,4 +1,4 @@
-/* exodus_reader: what the parts of the reader of Exodus II files share; for exodus*.c only.
+/* exodus_reader: declarations that the parts of the reader of Exodus II files share; for exodus*.c only.
  *
  *   exodus_reader, exodus_block    a file while it is read, and its blocks of elements
  *   exodus_take_node, _fail_node   numbers of nodes (exodus_labels.c)

@@ -58,7 +58,7 @@ char *io_mesh_file(const char *path, const char *format, int i);
 int io_write_coordinates(const planish_file *file, const double *coordinates, int threads,
                          pl_output *output, planish_error *error);
 
-/** Check that all files that were read are still what they were. Error: _FILE. */
+/** Check that no file has changed since it was read. Error: _FILE. */
 int io_check_inputs_unchanged(const planish_file *file, planish_error *error);
 
 #endif

@@ -35,14 +35,14 @@ void io_plane_project(const io_plane *plane, const double xyz[3], double uv[2]);
 /** Find where node is with coordinates at [dim], in the file's columns. */
 void io_space_coordinates(const io_model *model, int64_t node, const double *at, double xyz[3]);
 
-/** Find what a writer takes for coordinates [n_nodes][dim]: *places [n_nodes][written], or, of
- *  model->place_node where that is given, [n_places][written]. They are coordinates themselves
- *  where *owned is NULL, else *owned, to be released by pl_free. */
+/** Find the coordinates that a writer takes for coordinates [n_nodes][dim] of the mesh: *places
+ *  [n_nodes][written], or, of model->place_node where that is given, [n_places][written]. They are
+ *  coordinates themselves where *owned is NULL, else *owned, to be released by pl_free. */
 int io_written_coordinates(const io_model *model, const double *coordinates,
                            const int32_t *place_node, int threads, const double **places,
                            double **owned, planish_error *error);
 
-/** Return what a writer takes for the coordinates that were read, borrowed. */
+/** Return the coordinates that a writer takes for those that were read, borrowed. */
 const double *io_written_as_read(const io_model *model);
 
 #endif

@@ -1,4 +1,4 @@
-/* written: which files planish_file_write makes, and of what.
+/* written: the files that planish_file_write makes, and their sources.
  *
  *   io_written, io_written_list      files, the one that was opened first
  *   io_written_find, _release        find them

@@ -27,13 +27,13 @@ int foam_open(io_model *model, const char *name, int needed, foam_file *f, plani
 /** Read the header at the cursor of f, whose view is there. */
 int foam_read_header(foam_file *f, planish_error *error);
 
-/** Release what the file has of its own. */
+/** Release the memory of the file. */
 void foam_close(foam_file *f);
 
 /** Skip white space and comments. */
 void foam_skip(io_cursor *cursor);
 
-/** Skip the same, fast where the next character is none of these. */
+/** Skip these characters; fast if the next character is another one. */
 static inline void foam_skip_few(io_cursor *cursor) {
     while (cursor->at < cursor->end && *cursor->at == ' ')
         cursor->at++;
@@ -58,8 +58,8 @@ static inline int foam_integer(io_cursor *cursor, int64_t *value) {
     return 0;
 }
 
-/** Take the next token: one of ; { } ( ), a text in quotes, without these, or a word up to any of these. Empty at the
- *  end. */
+/** Take the next token: one of ; { } ( ), a text in quotes, without these, or a word up to any of
+ *  these. Empty at the end. */
 io_slice foam_word(io_cursor *cursor);
 
 /** Take a token that is to be text. Error: it is not. */

@@ -9,8 +9,8 @@
 
 #include "io/foam/foam_file.h"
 
-/** Take the number of a list of things and its '(', behind which size bytes each are left at least (in
- *  text, where numbers are apart, as many for 2). Lists without any thing end with this. */
+/** Take the number of items of a list and its '('. Check that size bytes are left for each item
+ *  behind it (in text, with blanks between numbers, for 2 items). An empty list ends with this. */
 int foam_begin_list(foam_file *f, const char *what, int64_t size, int64_t *n, planish_error *error);
 
 /** Take the ')' of a list. */

@@ -1,4 +1,4 @@
-/* gmsh_reader: what the readers of MSH 1, 2 and 4 share; for gmsh*.c only.
+/* gmsh_reader: declarations that the readers of MSH 1, 2 and 4 share; for gmsh*.c only.
  *
  *   gmsh_entity, gmsh_data, gmsh_reader   the state of a reader
  *   gmsh_find_type                        element types by their numbers
@@ -73,8 +73,8 @@ int gmsh_begin_block(gmsh_reader *reader, gmsh_block *block, int64_t n);
 void gmsh_end_block(gmsh_reader *reader, const gmsh_block *block, int64_t n);
 
 /** Find the row of an element type by its number, borrowed. Fail at a place in the file if the type
- *  is unknown, or if planish refuses it (a triangle or tetrahedron of third order or higher). error may be
- *  NULL. */
+ *  is unknown, or if planish refuses it (a triangle or tetrahedron of third order or higher). error
+ *  may be NULL. */
 int gmsh_find_type(const gmsh_reader *reader, int64_t number, const char *at,
                    const io_element_type **type, planish_error *error);
 

@@ -22,9 +22,9 @@ int gmsh_skip_data(gmsh_reader *reader, int with_nodes);
  *  Only a lack of memory is an error. */
 int gmsh_note_data(gmsh_reader *reader, int of_elements, const char *begin, const char *end);
 
-/** Make arrays (arrays.h) of the sections that gmsh_note_data has kept and that may tell regions, when
- *  all has been read and the elements' numbers are reduced; and give the places of all sections to
- *  the model (data.h). What is malformed is passed over. */
+/** Make arrays (arrays.h) of the sections that gmsh_note_data has kept and that may be regions.
+ *  Call this when all has been read and the elements' numbers are reduced; and give the places of
+ *  all sections to the model (data.h). Malformed sections are passed over. */
 int gmsh_read_data(gmsh_reader *reader);
 
 /** Read the values of an array: io_format.read_data. */

@@ -1,5 +1,5 @@
-/* hdf5: what the readers of formats in HDF5 share: objects by their path, numbers and text of
- * them, and coordinates with their places in the file's bytes.
+/* hdf5: declarations that the readers of formats in HDF5 share: objects by their path, numbers and
+ * text of them, and coordinates with their places in the file's bytes.
  *
  *   io_hdf5_recognise, _open, _end, _fail                  a file (hdf5_file.c)
  *   io_hdf5_path_of, _kind_of, _list, _names_..., _check_only    objects
@@ -10,10 +10,10 @@
  *                                                          coordinates (hdf5_coordinates.c)
  *   io_hdf5_amend, _release                                for io_format
  *
- * The HDF5 library is given the bytes that are in memory already, so that what it reads is what is
- * written back, of a pipe, too. It is used on one thread. Links to other files, data that are
- * stored in other files and filters that the library does not have by itself are refused, and so
- * are data that are larger than the file can hold.
+ * The HDF5 library gets the bytes that are in memory already. So planish writes back the bytes that
+ * the library has read, also those of a pipe. It is used on one thread. Refused are links to other
+ * files, data in other files, filters that the library does not have by itself, and data larger
+ * than the file can hold.
  *
  * Coordinates that stand uncompressed in the file get spans. All others are changed by the HDF5
  * library in the finished copy (io_hdf5_amend).
@@ -124,7 +124,7 @@ typedef struct io_hdf5_place {
  * must have as many values as nodes and components say. */
 int io_hdf5_coordinates(io_hdf5 *file, const io_hdf5_place *place);
 
-/** Look at what may be a copy of coordinates that have been read: of a copy the place is kept, too.
+/** Look at a possible copy of the coordinates that were read: of a copy the place is kept, too.
  *  *is_copy: it has the same values, of the same precision. */
 int io_hdf5_coordinates_again(io_hdf5 *file, const io_hdf5_place *place, int *is_copy);
 

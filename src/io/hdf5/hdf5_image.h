@@ -10,7 +10,7 @@ hid_t hdf5_open_bytes(const char *data, int64_t size, int is_writing);
 /** Find the bytes before the library's own, which are not part of its image; -1 on failure. */
 int64_t hdf5_user_block(hid_t file);
 
-/** Take what has become of a file that was opened to be changed: *bytes [*size], to be released by
+/** Take the changed bytes of a file that was opened for changes: *bytes [*size], to be released by
  *  pl_free. before: the bytes that it was made of. */
 int hdf5_take_bytes(io_hdf5 *file, const char *before, char **bytes, int64_t *size);
 

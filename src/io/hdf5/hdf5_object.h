@@ -1,4 +1,4 @@
-/* hdf5_object: what the files of hdf5*.c share: errors of the HDF5 library, and its objects.
+/* hdf5_object: declarations that the files of hdf5*.c share: errors of the HDF5 library, and its objects.
  *
  *   hdf5_silence, hdf5_restore, hdf5_fail_library    errors of the library
  *   hdf5_release, hdf5_link_access                   objects of the library, links to other files
@@ -33,7 +33,7 @@ struct io_hdf5 {
     int has_user_block; /* bytes before HDF5's own: chunks are elsewhere than the library says */
 };
 
-/** Let the library tell nothing of errors, until hdf5_restore. */
+/** Stop the library from printing errors, until hdf5_restore. */
 hdf5_voice hdf5_silence(void);
 void hdf5_restore(hdf5_voice voice);
 

@@ -1,4 +1,4 @@
-/* medit_reader: what the parts of the reader of Medit's files share.
+/* medit_reader: declarations that the parts of the reader of Medit's files share.
  *
  *   medit.c        keywords of meshes; where the sections are, in text and in binary
  *   medit_mesh.c   medit_read_section: what they say
@@ -60,7 +60,7 @@ int64_t medit_record_size(const medit_reader *r, const medit_keyword *k);
 /** Return whether the bytes begin as those of a binary file do. */
 int medit_is_binary(const char *data, int64_t size);
 
-/** Find the sections of the keywords: fill in what the reader knows of numbers, version, dimension and
+/** Find the sections of the keywords: fill in the reader's numbers, version, dimension and
  *  sections. model, error and keywords are there. */
 int medit_find_sections(medit_reader *reader);
 

@@ -1,4 +1,4 @@
-/* mfem_reader: what the parts of the reader of MFEM's meshes share.
+/* mfem_reader: declarations that the parts of the reader of MFEM's meshes share.
  *
  *   mfem.c            mfem_read: the sections, one after the other, and what is refused
  *   mfem_geometry.c   geometries of elements, and the orders of their nodes

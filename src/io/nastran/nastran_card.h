@@ -1,4 +1,5 @@
-/* nastran_card: what nastran.c and nastran_card.c share: lines, cards and fields of bulk data.
+/* nastran_card: declarations that nastran.c and nastran_card.c share: lines, cards and fields of
+ * bulk data.
  *
  *   nastran_line, nastran_card, ...        lines and cards
  *   nastran_take_field, nastran_line_field fields of a card

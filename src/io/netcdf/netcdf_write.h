@@ -63,7 +63,7 @@ typedef struct netcdf_out {
 
 /** Begin a file. To be ended in any case. */
 void netcdf_out_begin(netcdf_out *out, pl_output *output, planish_error *error);
-/** Write what waits, and release. Return the status of all that was written. */
+/** Write waiting bytes, and release. Return the status of all that was written. */
 int netcdf_out_end(netcdf_out *out);
 
 /** Add a dimension; length 0: the one of records. Return its index. */

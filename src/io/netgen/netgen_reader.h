@@ -1,4 +1,4 @@
-/* netgen_reader: what the parts of the reader of Netgen's files share.
+/* netgen_reader: declarations that the parts of the reader of Netgen's files share.
  *
  *   netgen.c        keywords; where the sections are
  *   netgen_mesh.c   netgen_read_section: what they say

@@ -1,4 +1,4 @@
-/* plex_reader: what the files of the reader of PETSc's DMPlex files share; for plex*.c only.
+/* plex_reader: declarations that the files of the reader of PETSc's DMPlex files share; for plex*.c only.
  *
  *   plex_reader                             a file while it is read
  *   plex_read_integers, plex_list_group     lists of numbers and names (plex_lists.c)
@@ -99,9 +99,8 @@ int plex_add_cell(plex_reader *r, int64_t point);
 /** Make regions, surfaces, lines and groups of the labels. */
 int plex_read_labels(plex_reader *r);
 
-/** Check whether there are no labels but that of regions, of which each element has one at the
- *  most, and those that programs make for themselves. Fail if any says something of what is no
- *  point. */
+/** Check whether all labels are that of regions, which names each element once at most, or are made
+ *  by programs for their own use. Fail if one names a number that is not a point. */
 int plex_check_labels(plex_reader *r, int *has_regions_alone);
 
 #endif

@@ -1,4 +1,4 @@
-/* ucd_reader: what the readers of AVS UCD's text and binary files share.
+/* ucd_reader: declarations that the readers of AVS UCD's text and binary files share.
  *
  *   ucd.c          the format, and its text
  *   ucd_binary.c   ucd_binary_recognise, ucd_binary_read: its binary files

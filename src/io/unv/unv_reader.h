@@ -1,4 +1,4 @@
-/* unv_reader: what the parts of the reader of universal files share.
+/* unv_reader: declarations that the parts of the reader of universal files share.
  *
  *   unv.c            datasets, the format
  *   unv_nodes.c      unv_read_nodes, unv_field: nodes, and their coordinate systems

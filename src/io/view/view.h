@@ -1,4 +1,4 @@
-/* view: what planish understands of a mesh file, for the writers of other formats.
+/* view: the content of a mesh file that planish understands, for the writers of other formats.
  *
  *   io_view, io_view_begin, io_view_end    the mesh
  *   io_view_cell, io_view_cell_at          its cells, one by one
@@ -61,7 +61,7 @@ typedef struct io_view {
 /** Begin a view of a mesh. data may be NULL. To be ended in any case. Error: _MEMORY. */
 int io_view_begin(const io_model *model, const double *coordinates, const uint8_t *constraint,
                   const planish_view_data *data, io_view *view, planish_error *error);
-/** Release what io_view_begin has made. */
+/** Release the memory of io_view_begin. */
 void io_view_end(io_view *view);
 
 /** A cell. */
@@ -110,7 +110,7 @@ typedef struct io_view_type {
 void io_view_fit_cell(const io_view *view, const io_view_type *type, const io_node_order *orders,
                       io_view_cell *cell);
 
-/** A list in words of what is left out. */
+/** List, in words, of data that a format cannot store. */
 typedef struct io_losses {
     char text[IO_VIEW_LOST_SIZE];
     size_t length;
@@ -119,7 +119,7 @@ typedef struct io_losses {
 /** Add to the list. */
 void io_losses_add(io_losses *losses, const char *format, ...) PL_PRINTF(2, 3);
 
-/** Note what formats do not have: names of groups and all but the first number of each element;
+/** Note data that formats cannot store: names of groups and all but the first number of each element;
  *  numbers of nodes and elements, where they are other ones than their order; arrays of numbers. */
 void io_view_lose_groups(const io_view *view, io_losses *losses);
 void io_view_lose_numbers(const io_view *view, io_losses *losses);

@@ -1,5 +1,5 @@
-/* vtk_reader: what the parts of the reader of legacy VTK files share; for vtk.c (header, points, cells)
- * and vtk_data.c (attributes).
+/* vtk_reader: declarations that the parts of the reader of legacy VTK files share; for vtk.c
+ * (header, points, cells) and vtk_data.c (attributes).
  *
  * The function of a keyword stands behind the keyword and leaves the cursor behind its data. All
  * functions return 0 or a negative planish_status, *reader->error filled in.
@@ -32,7 +32,7 @@ void vtk_end_line(io_cursor *cursor);
  *  before it, as the next bytes may be data. */
 int vtk_take_if(vtk_reader *reader, const char *name);
 
-/** Read what stands behind a keyword of data: hold nodes, take arrays, or pass over it. Anything
+/** Read the data behind a keyword: hold nodes, take arrays, or pass over it. Anything
  *  unknown is the end if the mesh is there, and an error if it is not. */
 int vtk_read_data(vtk_reader *reader, io_slice keyword);
 

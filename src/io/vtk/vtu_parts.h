@@ -1,4 +1,4 @@
-/* vtu: what the parts of the reader and writer of VTK's XML files (.vtu) share.
+/* vtu: declarations that the parts of the reader and writer of VTK's XML files (.vtu) share.
  *
  *   vtu_document, vtu_piece, vtu_array   a file, as its markup tells
  *   vtu_xml.c      reads the markup

@@ -1,4 +1,4 @@
-/* xdmf: what the parts of the reader of XDMF files share.
+/* xdmf: declarations that the parts of the reader of XDMF files share.
  *
  *   xdmf_read_nodes, xdmf_count_nodes   points (xdmf_nodes.c)
  *   xdmf_read_cells, xdmf_count_cells   elements and sets (xdmf_cells.c)
@@ -23,8 +23,8 @@ int xdmf_count_nodes(xdmf_reader *reader, xdmf_mesh *mesh, int64_t *n);
 /** Find the numbers of cells of all pieces, of a mesh that has been read before. */
 int xdmf_count_cells(xdmf_reader *reader, xdmf_mesh *mesh);
 
-/** Hold the nodes that an attribute called `fixed` marks, read those that may tell regions, and note
- *  all for whoever asks. */
+/** Hold the nodes that an attribute called `fixed` marks. Read the attributes that may be regions,
+ *  and note the places of all attributes. */
 int xdmf_read_attributes(xdmf_reader *reader, xdmf_mesh *mesh);
 
 /** Read the values of an attribute: io_format.read_data. */

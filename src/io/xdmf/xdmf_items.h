@@ -54,7 +54,7 @@ int xdmf_begin(io_model *model, xdmf_reader *reader, planish_error *error);
  *  io_hdf5_end says. */
 int xdmf_close(xdmf_reader *reader, int status);
 
-/** Find what a DataItem says of itself. */
+/** Find the attributes of a DataItem. */
 int xdmf_item_of(xdmf_reader *reader, int64_t element, xdmf_item *item);
 
 /** Find the DataItem elements in an element: item [XDMF_MOST_ITEMS], *n of them. */

@@ -6,9 +6,9 @@
  *   io_xml_take_text                         text that Expat is not given
  *   io_xml_stop, io_xml_fail                 end the walk
  *
- * Expat is given the file in pieces, without the text of elements that ask for it (from behind a
- * start tag to the next '<', where nothing but numbers can be). So gigabytes of numbers are not
- * looked at twice. Entities are refused, and no other file is opened for a document type.
+ * Expat gets the file in pieces, without the text of elements whose visitor asks for that: from
+ * behind a start tag to the next '<' there are only numbers. So gigabytes of numbers are not looked
+ * at twice. Entities are refused, and no other file is opened for a document type.
  */
 #ifndef PL_IO_XML_XML_H
 #define PL_IO_XML_XML_H
@@ -20,7 +20,7 @@ typedef struct io_xml io_xml;
 /** Take an element that begins or ends. A status; not 0 ends the walk. */
 typedef int io_xml_take(io_xml *xml, const char *name);
 
-/** A walk over the markup of a file. The reader sets what stands above the line. */
+/** A walk over the markup of a file. The reader sets the fields above the line. */
 struct io_xml {
     const io_model *model; /* whose input is read */
     planish_error *error;

@@ -3,7 +3,7 @@
     import planish
     mesh = planish.read("part.msh")                 # any format of docs/formats.md
     planish.smooth(mesh, fix=["wall"], slide="auto")
-    mesh.write("out.msh")                           # with the same bytes but for coordinates
+    mesh.write("out.msh")                           # the bytes of part.msh, but for coordinates
 
     result = planish.smooth(points, cells)          # points [n, 2 or 3], cells [m, 3 or 4] of numpy
     result = planish.smooth(mesh)                   # a mesh of meshio or PyVista
@@ -14,8 +14,8 @@
         for points in positions:
             plan.smooth(points)
 
-The library is the one that the environment variable PLANISH_LIBRARY names. Without it, it is looked for in this
-package, beside the installation that the package is part of, and where the system's linker looks.
+The environment variable PLANISH_LIBRARY names the library. Without it the package searches itself, then its
+installation, then the folders of the system's linker.
 docs/python.md is the introduction. Modules whose names begin with _ are not for callers.
 """
 

@@ -22,13 +22,13 @@ def pointer(array: Optional[Array]) -> c_void_p:
 
 
 def refuse_masked(values: Any, what: str) -> None:
-    """Refuse masked values, as the library would take the numbers behind the mask; what: the name of the argument."""
+    """Raise ValueError if any value is masked: the library would use the number behind the mask. what: the argument."""
     if isinstance(values, np.ma.MaskedArray) and np.any(values.mask):
         raise ValueError(f"{what} has masked values; leave them out, or fill them")
 
 
 class _Borrowed:
-    """Memory of an owner that numpy can look at; the array keeps the owner."""
+    """Memory of an owner as numpy's array interface; an array over it keeps the owner alive."""
 
     def __init__(self, owner: Any, at: int, shape: tuple[int, ...], dtype: Any) -> None:
         self.owner = owner
@@ -37,16 +37,16 @@ class _Borrowed:
 
 
 def borrow(owner: Any, at: Optional[int], shape: tuple[int, ...], dtype: Any) -> Array:
-    """Return an array over memory that lives as long as owner."""
+    """Return an array of that shape over the memory at an address, which the array keeps alive by its owner."""
     if not at or 0 in shape:
         return np.zeros(shape, dtype)
     return np.asarray(_Borrowed(owner, at, shape, dtype))
 
 
 def is_in_space(points: Array) -> bool:
-    """Whether points are in no plane of constant z.
+    """Whether points [n, 2 or 3] leave every plane of constant z by more than a geometry kernel's rounding.
 
-    Roundings that geometry kernels leave do not count, as in files.
+    The noise may be 1e-8 of the longer side in x and y, of floats 1e-6, as in files.
     """
     if points.ndim != 2 or points.shape[1] < 3 or not len(points):
         return False
@@ -61,8 +61,12 @@ class Points:
                  name: str = "points") -> None:
         """Take points [n, dim or more].
 
-        strides: those that the array must have, in doubles; None: any will do. writes: it will change. name: that of
-        the caller's argument.
+        Args:
+            points: the caller's array of float64 or float32
+            dim: number of columns that count
+            strides: steps of the array in doubles, by rows and columns; None: any steps
+            writes: the array will change, so that it must be writable
+            name: argument of the caller, for messages
         """
         self._check(points, dim, writes, name)
         self.points: Array = points[:, :dim]
@@ -103,13 +107,13 @@ class Points:
         return np.lib.stride_tricks.as_strided(room, self.points.shape, tuple(8 * step for step in strides))
 
     def write_back(self) -> None:
-        """Give the caller the coordinates."""
+        """Copy the coordinates back to the caller's array, unless the library has used that array itself."""
         if self.array is not self.points:
             self.points[...] = self.array
 
 
 def simplices(cells: Any) -> Array:
-    """Return cells [m, 3 or 4] as the library takes them: int32 or int64, without a copy where that can be."""
+    """Return cells [m, 3 or 4] as int32 or int64, without a copy where their type and order allow that."""
     refuse_masked(cells, "cells")
     cells = np.asarray(cells)
     if cells.ndim != 2 or cells.shape[1] not in (3, 4):
@@ -123,7 +127,7 @@ def simplices(cells: Any) -> Array:
 
 
 def narrow(nodes: Array) -> Array:
-    """Return nodes as int32."""
+    """Return nodes as int32; raise ValueError if one is out of range."""
     for node in (nodes.min(initial=0), nodes.max(initial=0)):
         if not -(2**31) <= node < 2**31:
             raise ValueError(f"cells has node {node}, which is out of range")
@@ -131,7 +135,7 @@ def narrow(nodes: Array) -> Array:
 
 
 def chosen_nodes(nodes: Any, n: int, what: str) -> NDArray[np.int64]:
-    """Return numbers of nodes, from numbers or a mask [n]."""
+    """Return the numbers of nodes that numbers or a mask [n] choose. what: the argument, for messages."""
     refuse_masked(nodes, what)
     nodes = np.asarray(list(nodes) if isinstance(nodes, (set, frozenset)) else nodes)
     if nodes.dtype == bool:
@@ -147,5 +151,5 @@ def chosen_nodes(nodes: Any, n: int, what: str) -> NDArray[np.int64]:
 
 
 def joined(parts: list[Any]) -> Array:
-    """Return arrays one behind the other; one alone is not copied."""
+    """Return the concatenation of arrays; a single one is not copied."""
     return np.asarray(parts[0]) if len(parts) == 1 else np.concatenate([np.asarray(part) for part in parts])

@@ -1,4 +1,4 @@
-"""Cells of meshio, PyVista and VTK, and those that callers give by type, as blocks of one type each."""
+"""Cells of meshio, PyVista and VTK, and cells by type, as blocks of one type each."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ._cell_types import POLYGON, POLYLINE, POLYVERTEX, STRIP, TYPES, WIDTHS, Ce
 
 
 class Block(NamedTuple):
-    """Cells of one type, and the values that arrays of cells have there, by the arrays' names."""
+    """Cells of one type, and their values in each array of cells, by the name of the array."""
 
     kind: Optional[CellType]  # None: the library does not know it
     name: Any  # meshio's name or VTK's number
@@ -25,14 +25,14 @@ class Block(NamedTuple):
 
 
 def _flat(nodes: Any) -> list[int]:
-    """Return all numbers in lists of lists, as of the faces of polyhedra."""
+    """Return all numbers in nested lists, such as the faces of a polyhedron."""
     if isinstance(nodes, (list, tuple, np.ndarray)):
         return [number for part in nodes for number in _flat(part)]
     return [operator.index(nodes)]
 
 
 def _nodes_of(data: Any) -> Array:
-    """Return nodes of cells: [m, k], or, of cells that have not the same number, all in one row."""
+    """Return the nodes of cells: [m, k] if all cells have k nodes, else one row of all nodes."""
     try:
         nodes = np.asarray(data)
     except ValueError:
@@ -43,7 +43,7 @@ def _nodes_of(data: Any) -> Array:
 
 
 def _block(name: Any, data: Any, at: Array, values: dict[str, Any]) -> Block:
-    """Return cells of a type by its name or number."""
+    """Return a block of cells of the type that a name of meshio's or a number of VTK's means."""
     refuse_masked(data, f"the array of cells of type {name}")
     nodes, (kind, order) = _nodes_of(data), type_of(name)
     if nodes.dtype.kind not in "iu":
@@ -58,7 +58,7 @@ def _block(name: Any, data: Any, at: Array, values: dict[str, Any]) -> Block:
 
 
 def _of_pairs(pairs: Any, data: dict[str, Any]) -> list[Block]:
-    """Return cells of (type, nodes) pairs; data has one array for each pair, by its name."""
+    """Return a block for each pair (type, nodes). data: lists of arrays by name, one array for each pair."""
     blocks, n = [], 0
     for i, (name, nodes) in enumerate(pairs):
         if not isinstance(name, (str, int, np.integer)) or not hasattr(nodes, "__len__"):
@@ -74,7 +74,7 @@ def _of_pairs(pairs: Any, data: dict[str, Any]) -> list[Block]:
 
 
 def _check_arrays(nodes: Array, offsets: Array, types: Array) -> None:
-    """Refuse arrays that do not fit one another."""
+    """Raise ValueError if nodes, offsets and types contradict one another."""
     widths = np.diff(offsets)
     if len(offsets) != len(types) + 1 or offsets[0] != 0 or offsets[-1] != len(nodes) or (widths < 0).any():
         raise ValueError(f"the offsets of {len(types)} cells must be {len(types) + 1} numbers that ascend from 0 to "
@@ -89,7 +89,7 @@ def _check_arrays(nodes: Array, offsets: Array, types: Array) -> None:
 
 
 def _of_arrays(nodes: Array, offsets: Array, types: Array, data: dict[str, Any]) -> list[Block]:
-    """Return cells of VTK's arrays: the nodes of cell i are nodes[offsets[i]:offsets[i + 1]]."""
+    """Return blocks of cells in VTK's arrays: cell i has nodes[offsets[i]:offsets[i + 1]]."""
     offsets = offsets.astype(np.int64, copy=False)  # differences of unsigned numbers are never negative
     _check_arrays(nodes, offsets, types)
     blocks = []
@@ -105,7 +105,7 @@ def _of_arrays(nodes: Array, offsets: Array, types: Array, data: dict[str, Any])
 
 
 def _starts(lists: Array, what: str, types: Optional[Array]) -> Array:
-    """Return where the counts of VTK's lists stand."""
+    """Return the indices of the counts in VTK's lists (a count, its nodes, the next count, ...)."""
     if types is not None and len(types) and 0 <= types.min() and types.max() < len(WIDTHS):
         starts: Array = np.cumsum(WIDTHS[types] + 1) - WIDTHS[types] - 1
     else:  # all cells may have as many nodes as the first
@@ -116,7 +116,7 @@ def _starts(lists: Array, what: str, types: Optional[Array]) -> Array:
 
 
 def _walked(lists: Array, what: str) -> Array:
-    """Return where the counts of VTK's lists stand, from one to the next."""
+    """Return the indices of the counts in VTK's lists, found one after another; raise ValueError at a wrong count."""
     starts, at = [], 0
     while at < len(lists):
         count = int(lists[at])
@@ -129,7 +129,7 @@ def _walked(lists: Array, what: str) -> Array:
 
 
 def _counted(lists: Any, what: str, types: Optional[Array] = None) -> tuple[Array, Array]:
-    """Return nodes and offsets of VTK's lists: a count, so many nodes, a count, ..."""
+    """Return nodes and offsets of VTK's lists (a count, its nodes, the next count, ...)."""
     lists = np.zeros(0, dtype=np.int64) if lists is None else np.asarray(lists).ravel()
     starts = _starts(lists, what, types)
     if types is not None and len(starts) != len(types):
@@ -148,7 +148,7 @@ def cell_data(mesh: Any) -> dict[str, Any]:
 
 
 def _of_grid(mesh: Any) -> list[Block]:
-    """Return cells of an UnstructuredGrid of PyVista, which shows VTK's arrays without a copy where it can."""
+    """Return blocks of the cells of PyVista's UnstructuredGrid, without a copy of its arrays where possible."""
     types = np.asarray(mesh.celltypes)
     nodes, offsets = getattr(mesh, "cell_connectivity", None), getattr(mesh, "offset", None)
     if nodes is None or offsets is None:
@@ -157,7 +157,7 @@ def _of_grid(mesh: Any) -> list[Block]:
 
 
 def _of_polydata(mesh: Any) -> list[Block]:
-    """Return cells of a PolyData of PyVista: its arrays have points first, then lines, faces and strips."""
+    """Return blocks of the cells of PyVista's PolyData. Its arrays have points first, then lines, faces and strips."""
     kinds: list[tuple[str, dict[int, int], int]] = [
         ("verts", {1: 1}, POLYVERTEX), ("lines", {2: 3}, POLYLINE), ("faces", {3: 5, 4: 9}, POLYGON),
         ("strips", {}, STRIP)]
@@ -195,7 +195,7 @@ def _is_pair(part: Any) -> bool:
 
 
 def is_by_type(cells: Any) -> bool:
-    """Whether cells are a dict by types, (type, nodes) pairs, blocks of meshio or VTK's arrays."""
+    """Whether cells are a dict by types, pairs (type, nodes), blocks of meshio's, or VTK's arrays."""
     if isinstance(cells, tuple) and len(cells) in (2, 3) and all(
             isinstance(array, np.ndarray) and array.ndim == 1 for array in cells):
         return len({len(array) for array in cells}) > 1
@@ -204,7 +204,7 @@ def is_by_type(cells: Any) -> bool:
 
 
 def _of_tuple(cells: tuple[Array, ...]) -> list[Block]:
-    """Return cells of VTK's arrays, (lists, types) or (nodes, offsets, types)."""
+    """Return blocks of cells in VTK's arrays: (lists, types) or (nodes, offsets, types)."""
     if any(array.dtype.kind not in "iu" for array in cells):
         raise TypeError("arrays of cells must be integers")
     cells = tuple(array.astype(np.int64) if array.dtype == np.uint64 else array for array in cells)
@@ -213,7 +213,7 @@ def _of_tuple(cells: tuple[Array, ...]) -> list[Block]:
 
 
 def blocks_by_type(cells: Any) -> list[Block]:
-    """Return cells that a caller gives by their types."""
+    """Return blocks of the cells that a caller gives in a form of is_by_type."""
     if isinstance(cells, tuple) and isinstance(cells[0], np.ndarray):
         blocks = _of_tuple(cells)
     else:

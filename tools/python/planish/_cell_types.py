@@ -40,7 +40,7 @@ _REORDERED: dict[Any, tuple[CellType, list[int]]] = {
 
 
 def type_of(name: Any) -> tuple[Optional[CellType], Optional[list[int]]]:
-    """Return the type that meshio's name or VTK's number means, and the order of its nodes if that is not VTK's.
+    """Return the type for a name of meshio's or a number of VTK's, and the order of its nodes; None: VTK's order.
 
     The type is None if the library does not know it.
     """

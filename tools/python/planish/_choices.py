@@ -63,7 +63,7 @@ class PlanChoices(NamedTuple):
         return self.size is not None or self.size_from is not None or self.keep_sizes
 
     def slides(self) -> tuple[bool, bool, list[str]]:
-        """Return whether nodes slide, whether also on curved surfaces, and the groups that they slide on alone."""
+        """Return whether nodes slide, whether on curved surfaces too, and the groups to slide on ([]: any)."""
         given = [] if self.slide is None else [self.slide] if isinstance(self.slide, str) else self.slide
         if not np.iterable(given) or not all(isinstance(word, str) for word in given):
             raise TypeError(f"slide must be auto, curved, none, None or names of groups, not {given!r}")
@@ -98,7 +98,7 @@ class RunChoices(NamedTuple):
 
 
 def check_plan(choices: PlanChoices) -> None:
-    """Refuse options that exclude or need one another."""
+    """Raise ValueError if options of a plan exclude each other, or one lacks another."""
     is_sliding, is_curved, _ = choices.slides()
     if choices.onto is not None and (is_sliding or choices.around is not None or choices.only_worse_than):
         raise ValueError("onto moves all nodes of the boundary: slide, around and only_worse_than have no place")
@@ -121,7 +121,7 @@ def size_weight_of(choices: PlanChoices) -> float:
 
 
 def layers_of_smooth(choices: PlanChoices, run: RunChoices) -> PlanChoices:
-    """Return the choices of a plan for one run, which keeps layers of some types where nothing speaks against it."""
+    """Return the choices of a plan for one run. Without layers, it keeps those of some types if the run allows that."""
     is_usual = run.objective in (None, "mean-ratio") and run.method == "planish"
     return choices._replace(layers=KEEP_BY_TYPE) if choices.layers is None and is_usual else choices
 
@@ -130,14 +130,14 @@ def layers_of_smooth(choices: PlanChoices, run: RunChoices) -> PlanChoices:
 
 
 def _number_of(word: Any, words: dict[str, int], name: str) -> int:
-    """Return the number of one of some words."""
+    """Return the number of a word; raise ValueError if words does not have it. name: the option."""
     if word not in words:
         raise ValueError(f"{name} must be one of {', '.join(words)}, not {word!r}")
     return words[word]
 
 
 def length(given: Length, name: str) -> tuple[float, int]:
-    """Return a length and its unit: of a number, or a text such as 0.05h, in edges."""
+    """Return a length and its unit: a number in the units of points, or a text such as "0.05h" in mean edges."""
     if not isinstance(given, str):
         return given, 0
     try:
@@ -147,7 +147,7 @@ def length(given: Length, name: str) -> tuple[float, int]:
 
 
 def _check_objective(run: RunChoices, has_types: bool) -> None:
-    """Refuse measures of elements that the mesh does not have."""
+    """Raise ValueError if an objective or measure is of other elements than those of the mesh."""
     if has_types and run.objective == "radius-ratio":
         raise ValueError("radius-ratio is of triangles and tetrahedra alone; leave objective out, or give edge-ratio")
     if run.worst_measure is not None and (_WORST[run.worst_measure] >= _OF_TYPES) != has_types:

@@ -15,7 +15,7 @@ from ._structures import Cells
 
 
 class Tagged(NamedTuple):
-    """Facets or edges that bear tags."""
+    """Facets or edges with tags."""
 
     nodes: NDArray[np.int32]  # corners of all
     offsets: NDArray[np.int64]  # [n + 1] where those of each begin
@@ -30,13 +30,13 @@ class Layout(NamedTuple):
     nodes: NDArray[np.int32]
 
     def structure(self) -> Cells:
-        """Return the structure that points to the arrays."""
+        """Return the planish_cells that points to the arrays. The caller keeps the arrays alive."""
         return Cells(n=len(self.types), type=address(self.types), offset=address(self.offsets),
                      node=address(self.nodes))
 
 
 class Elements:
-    """Elements in the order given, and the other cells.
+    """Elements in the given order, and the other cells.
 
     Straight simplices of one type are simple [m, dim + 1]; else layout has the elements. corners [.., dim + 1]
     are those of simplices, straight or not. at [m] are the places of elements among all cells, data arrays [m] by
@@ -60,7 +60,7 @@ class Elements:
         return len(self.at)
 
     def held(self, n_points: int, without_tags: bool) -> Optional[NDArray[np.uint8]]:
-        """Return which nodes other cells hold, None: there are no other cells.
+        """Return a mask [n_points] of the nodes that other cells hold; None: there are no other cells.
 
         without_tags: facets and edges hold none.
         """
@@ -70,7 +70,7 @@ class Elements:
                                     or _holders.tag_kind(block, self.dim) is None], n_points)
 
     def tagged(self, kind: str) -> Optional[Tagged]:
-        """Return the facets or edges that are tags of the surface; None: there are none."""
+        """Return the facets or edges whose tags mark features of the surface; None: there are none."""
         blocks = [block for block in self.others if _holders.tag_kind(block, self.dim) == kind and len(block.nodes)]
         if not blocks:
             return None
@@ -83,7 +83,7 @@ class Elements:
                       tags.astype(np.int32))
 
     def has_types(self) -> bool:
-        """Whether some are smoothed that are no simplices: aspect ratios stand for radius ratios then."""
+        """Whether some smoothed elements are not simplices. Aspect ratios then replace radius ratios."""
         return self.layout is not None and not np.isin(self.layout.types, SIMPLICES[self.dim] + HELD).all()
 
     def is_smoothed(self) -> bool:
@@ -97,7 +97,7 @@ class Elements:
         return bool(np.all(self.layout.types == number))
 
     def nodes_of(self, chosen: Array) -> Array:
-        """Return the nodes of chosen elements (a mask), as often as these have them."""
+        """Return the nodes of the elements that a mask [m] chooses, once for each element that has them."""
         if self.layout is None:
             assert self.simple is not None
             return self.simple[chosen].ravel()
@@ -119,7 +119,7 @@ class Elements:
 
 
 def _placed(chosen: list[Block]) -> tuple[Array, Optional[Array]]:
-    """Return the places of the elements among all cells, and their order in the blocks; None: it is that."""
+    """Return the places of the elements among all cells, and their order in the blocks (None: the same order)."""
     at = joined([block.at for block in chosen])
     if len(chosen) == 1 or np.all(at[1:] > at[:-1]):
         return at, None

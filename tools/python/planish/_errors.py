@@ -4,13 +4,13 @@ from __future__ import annotations
 
 
 class Error(ValueError):
-    """Refusal of the library: the text says what, where and what to do.
+    """Error of the library. The text says what is wrong, where, and what to do.
 
-    code is a planish_status; element and node are the ones meant, or -1.
+    code is a planish_status. element and node are the indices of the ones meant, or -1.
     """
 
     def __init__(self, text: str, code: int = 0, element: int = -1, node: int = -1) -> None:
-        """Take the text of a message, and what it is about."""
+        """Take the text, the planish_status, and the element and node that the error is about."""
         super().__init__(text)
         self.code = code
         self.element = element
@@ -18,11 +18,11 @@ class Error(ValueError):
 
 
 class FileError(Error, OSError):
-    """Refusal of a file: it cannot be opened, read or written, or its content is not that of its format."""
+    """Error of a file: it cannot be opened, read or written, or its content breaks the rules of its format."""
 
 
 class ConversionWarning(UserWarning):
-    """Warning that a file of another format lacks some of what the mesh has."""
+    """Warning that a converted file lacks data of the mesh: its format cannot store them."""
 
 
 _MEMORY, _OF_FILES = -3, (-4, -5)  # planish_status

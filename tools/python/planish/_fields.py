@@ -17,14 +17,14 @@ Made = typing.TypeVar("Made", bound="type[ctypes.Structure]")
 
 
 def _type_of(hint: Any) -> Any:
-    """Return the type in C that an annotation means, or None: it is no field."""
+    """Return the type of ctypes that an annotation means; None: the annotation is not of a field."""
     for extra in getattr(hint, "__metadata__", ()):
         return extra
     return hint if isinstance(hint, type) and issubclass(hint, ctypes.Structure) else None
 
 
 def fields(made: Made) -> Made:
-    """Make the annotations of a class its fields: those of the types above, and structures."""
+    """Turn the annotations of a class into fields of its structure: those of the types above, and structures."""
     inherited: dict[str, Any] = {}
     for base in made.__mro__[1:]:
         inherited.update(getattr(base, "__annotations__", {}))

@@ -32,7 +32,7 @@ _OF_OFF = 4  # distance from the middle, in those that rounding takes nodes off 
 
 
 class FileHolding(NamedTuple):
-    """Which nodes of a file are held."""
+    """Choice of the nodes of a file to hold."""
 
     groups: Sequence[str] = ()
     nodes: Optional[Array] = None
@@ -76,7 +76,7 @@ class FileView(View):
         return other.points
 
     def _hold(self, slides: bool, ignores_marks: bool = False) -> tuple[Any, Any]:
-        """Return the planish_hold, and what it points to."""
+        """Return the planish_hold, and the arrays that it points to, for the caller to keep alive."""
         groups = self.holding.slide_groups
         texts = texts_of(groups)
         hold, kept = hold_of(self.holding.groups, ignore_regions=self.holding.ignores_regions, slide=slides,
@@ -103,7 +103,7 @@ class FileView(View):
     # ---- numbers of the file ------------------------------------------------------------------------------
 
     def rounding(self, wanted: Optional[float]) -> float:
-        """Return how far off the middle of a straight edge its mid may be; None: what the file's digits explain."""
+        """Return how far a straight edge's mid may be off the middle. wanted None: as the file's digits explain."""
         if wanted is not None or self.mesh.elements:
             return wanted or 0.0
         extents = np.ptp(self.points.array, axis=0) if self.n else np.zeros(self.dim)
@@ -116,14 +116,14 @@ class FileView(View):
         return rounding if np.isfinite(rounding) else 0.0
 
     def _is_narrow(self, size: float) -> bool:
-        """Whether some numbers have fewer digits in the file than others."""
+        """Whether the file stores some numbers with fewer digits than others."""
         info, third = self.source.info, size / 3
         if info.precision != _ROUNDED or not info.round:
             return False
         return bool(abs(_ROUND(info.round)(third, info.round_user) - third) > _WIDE_FIELD * size)
 
     def set_storage(self, options: Options, taken: Points) -> None:
-        """Say in options what the file stores coordinates as."""
+        """Set in options how the file stores coordinates."""
         info = self.source.info
         options.precision, options.round, options.round_user = info.precision, info.round, info.round_user
 
@@ -159,7 +159,7 @@ class FileView(View):
     # ---- nodes that slide ---------------------------------------------------------------------------------
 
     def find_slides(self, surface: Surface) -> SlideInfo:
-        """Find which nodes slide, and which of them the file's marks leave to slide."""
+        """Find the nodes that slide. The marks of the file hold nodes, unless they mark the whole surface."""
         if self.has_marks():
             info = self._find_unheld(surface, True)
             if self._marks_are_the_surface():
@@ -167,14 +167,14 @@ class FileView(View):
         return self._find_unheld(surface, False)
 
     def _find_unheld(self, surface: Surface, ignores_marks: bool) -> SlideInfo:
-        """Find which nodes slide that nothing holds."""
+        """Find the nodes that slide, among those that nothing holds."""
         self.constrain(self._held(True, ignores_marks), None)
         info, constraint, direction = self.slides_by(surface)
         self.constrain(constraint, direction)
         return info
 
     def _marks_are_the_surface(self) -> bool:
-        """Whether the file marks all nodes of the surface, which says no more than where that is.
+        """Whether the file marks all nodes of the surface. Such marks say where the surface is, and hold none.
 
         Nodes inside that are marked are fixed then.
         """
@@ -201,7 +201,7 @@ class FileView(View):
         return bool(io("get_marked")(self.source.handle.file, None) > 0)
 
     def hold_for_onto(self, ignores_marks: bool) -> None:
-        """Leave to the fit what is held for being on lines, facets and interfaces alone."""
+        """Release the nodes that only lines, facets and interfaces hold: the fit decides on them."""
         hold, _kept = self._hold(False, ignores_marks)
         reason = np.zeros(self.n, dtype=np.uint8)
         call(io("get_held"), self.source.handle.file, byref(hold), pointer(reason))
@@ -216,7 +216,7 @@ class FileView(View):
 
 
 def _check_same(mine: Mesh, other: Mesh) -> None:
-    """Check that another file has the same mesh but for coordinates."""
+    """Raise ValueError if the mesh of another file differs in more than coordinates."""
     a, b = mine.layout(), other.layout()
     if mine.dim != other.dim or len(mine.points) != len(other.points) or len(a.types) != len(b.types):
         raise ValueError(f"{other!r} has other nodes or elements than {mine!r}; give the same mesh")
@@ -242,7 +242,7 @@ def _areas(mesh: Mesh) -> Array:
 
 
 def _facing_alike(mine: Mesh, other: Mesh) -> Array:
-    """Return the coordinates of a flat mesh in another plane, mirrored if most elements are seen from behind."""
+    """Return the coordinates of a flat mesh in another plane, mirrored if most elements show their backs there."""
     is_alike = (_areas(mine) > 0) == (_areas(other) > 0)
     return other.points * ((1, 1) if 2 * is_alike.sum() >= len(is_alike) else (1, -1))
 

@@ -31,10 +31,10 @@ REASONS = {"lines_and_points": 1, "faces_inside": 2, "interface": 4, "other_elem
 
 
 class Handle:
-    """A planish_file, which is closed when nobody has it any more."""
+    """A planish_file. The library closes it with its last reference."""
 
     def __init__(self, path: str, options: OpenOptions) -> None:
-        """Open a file."""
+        """Open the file at path; raise FileError if that fails."""
         self.file = c_void_p()
         self.close = io("close")
         call(io("open_with"), os.fsencode(path), byref(options), byref(self.file))
@@ -46,14 +46,14 @@ class Handle:
 
 
 class Mesh:
-    """A mesh of a file, of which only coordinates can change: smooth it, and write it with all else as it was.
+    """A mesh of a file. Smooth it and write it: only its coordinates change, and the rest of the file stays.
 
-    points are coordinates to be changed in place, [n, 2] of flat elements in their plane, else [n, 3]. cells are
-    the elements, arrays by meshio's names of types. format is the name of the file's format.
+    points are the coordinates, to be changed in place: [n, 2] for flat elements in a plane, else [n, 3]. cells are the
+    elements, arrays by meshio's names of types. format is the name of the file's format.
     """
 
     def __init__(self, path: str, options: OpenOptions) -> None:
-        """Read the file at path; planish.read is for callers."""
+        """Read the file at path. Callers use planish.read."""
         self.path = path
         self.handle = Handle(path, options)
         self.threads = options.threads
@@ -70,12 +70,12 @@ class Mesh:
 
     @property
     def points(self) -> NDArray[np.float64]:
-        """Coordinates of the nodes, to be changed in place."""
+        """Coordinates of the nodes [n, 2 or 3], to be changed in place."""
         return self._points
 
     @property
     def cells(self) -> dict[str, Array]:
-        """Elements by meshio's names of types, with meshio's order of nodes."""
+        """Elements: an array [m, k] of nodes in meshio's order for each type, by meshio's name of the type."""
         layout, found = self.layout(), {}
         for number in np.flatnonzero(np.bincount(layout.types, minlength=256)).tolist():
             kind = KNOWN[number]
@@ -85,7 +85,7 @@ class Mesh:
         return found
 
     def layout(self) -> Layout:
-        """Return the elements as planish_cells has them; the file owns the arrays, which stay as they are."""
+        """Return the elements as in planish_cells. The file owns the arrays, and nobody may change them."""
         cells = Cells()
         call(io("cells"), self.handle.file, byref(cells))
         offsets = self._fixed(cells.offset, (cells.n + 1,), np.int64)
@@ -93,7 +93,7 @@ class Mesh:
                       self._fixed(cells.node, (int(offsets[-1]),), np.int32))
 
     def _fixed(self, at: Optional[int], shape: tuple[int, ...], dtype: Any) -> Array:
-        """Return an array of the file that nobody may change."""
+        """Return an array over memory of the file, read-only."""
         array = borrow(self.handle, at, shape, dtype)
         array.flags.writeable = False
         return array
@@ -109,14 +109,14 @@ class Mesh:
 
     @property
     def is_in_space(self) -> bool:
-        """Whether the mesh is a surface: flat elements in no plane."""
+        """Whether the mesh is a surface in space: flat elements that lie in no common plane."""
         if self.dim == 2 or self.structure.elements:
             return False
         types = self.layout().types
         return len(types) > 0 and KNOWN[int(types[0])].dim == 2
 
     def plane(self) -> Optional[Plane]:
-        """Return the plane that points are coordinates in; None: they are the first columns of the file."""
+        """Return the plane in which points are coordinates; None: points are the first columns of the file."""
         plane = Plane()
         return plane if io("plane")(self.handle.file, byref(plane)) else None
 
@@ -128,27 +128,30 @@ class Mesh:
         return found
 
     def element_number(self, element: int) -> int:
-        """Return the number that the file gives an element."""
+        """Return the file's number of the element with this index; raise IndexError if there is none."""
         return int(io("element_number")(self.handle.file, c_int64(range(self.structure.n_elements)[element])))
 
     def node_number(self, node: int) -> int:
-        """Return the number that the file gives a node."""
+        """Return the file's number of the node with this index; raise IndexError if there is none."""
         return int(io("node_number")(self.handle.file, c_int64(range(len(self.points))[node])))
 
     # ---- regions, data, held nodes ----------------------------------------------------------------------
 
     @property
     def cell_arrays(self) -> list[str]:
-        """Names of the arrays of one whole number per element."""
+        """Names of the arrays with one whole number per element."""
         return texts(io("cell_arrays")(self.handle.file))
 
     @property
     def region_arrays(self) -> list[str]:
-        """Names of those of them that tell regions."""
+        """Names of the cell_arrays whose values are regions."""
         return texts(io("region_arrays")(self.handle.file))
 
     def choose_regions(self, names: Sequence[str]) -> None:
-        """Choose the arrays that tell regions, once for a mesh, in place of those that look so."""
+        """Let these arrays be the regions, instead of the arrays that look like regions.
+
+        Raise ValueError if other arrays were chosen before.
+        """
         if self._chosen is not None and self._chosen != list(names):
             raise ValueError("regions were chosen for this mesh; read it again to choose others")
         if self._chosen is None:
@@ -157,7 +160,7 @@ class Mesh:
 
     @property
     def regions(self) -> Optional[NDArray[np.int32]]:
-        """Number of the region [m] of each element; None: there is one region."""
+        """Region number of each element [m]; None: the mesh is one region."""
         return self._region_numbers()
 
     def _region_numbers(self) -> Optional[NDArray[np.int32]]:
@@ -166,7 +169,7 @@ class Mesh:
 
     @property
     def region_names(self) -> dict[int, str]:
-        """Names of regions by their numbers, as tags for fix; regions that no name means are left out."""
+        """Names of regions by their numbers, as fix takes them. Regions without a name are left out."""
         regions = self._region_numbers()
         if regions is None:
             return {}
@@ -181,7 +184,7 @@ class Mesh:
 
     @property
     def data_arrays(self) -> list[str]:
-        """Names of the arrays of numbers of nodes and elements."""
+        """Names of the arrays that data reads: numbers at nodes or elements."""
         info = DataInfo()
         names: list[str] = []
         while io("data_info")(self.handle.file, c_int64(len(names)), byref(info)):
@@ -189,20 +192,20 @@ class Mesh:
         return names
 
     def data(self, name: str) -> tuple[NDArray[np.float64], bool]:
-        """Return the array of numbers that is called name, [n or m, components], and whether it is of elements."""
+        """Return the array with this name [n or m, components], and whether its values are of elements."""
         data = Data()
         call(io("data"), self.handle.file, os.fsencode(name), byref(data))
         return values_of(data)
 
     @property
     def groups(self) -> list[tuple[int, str]]:
-        """Dimension and tag of each group, as fix, slide and min_volume take it; those with names first."""
+        """Dimension and tag of each group. fix, slide and min_volume take the tags. Groups with names come first."""
         found, n = ctypes.POINTER(Group)(), c_int64(0)
         call(io("groups"), self.handle.file, byref(found), byref(n))
         return [(int(found[i].dim), (found[i].tag or b"").decode(errors="surrogateescape")) for i in range(n.value)]
 
     def held(self, fix: Union[str, Sequence[str]] = ()) -> dict[str, NDArray[np.bool_]]:
-        """Return masks [n] of the nodes that the file and fix hold, by their reasons.
+        """Return masks [n] of the nodes that the file and fix hold, by reason. Reasons without a node are left out.
 
         Args:
             fix: names of groups
@@ -216,18 +219,19 @@ class Mesh:
     # ---- writing ------------------------------------------------------------------------------------------
 
     def write(self, path: Union[str, "os.PathLike[str]"], *, threads: int = 0) -> None:
-        """Write the mesh: a copy of the file in which only the coordinates of moved nodes differ.
+        """Write a copy of the file with the coordinates of moved nodes replaced.
 
-        A path with the extension of another format is converted, and a ConversionWarning tells what is left out.
+        If the path has the extension of another format, convert the mesh. A ConversionWarning lists the data that this
+        format cannot store. Raise FileError if the file cannot be written; an older file then stays.
 
         Args:
-            path: the file, which may be the one that was read; a folder where that is one
+            path: the new file, perhaps the one that was read; a folder if that is a folder
             threads: as for read
         """
         self.tell(path, self.write_quietly(path, threads), 3)
 
     def write_quietly(self, path: Union[str, "os.PathLike[str]"], threads: int) -> str:
-        """Write the mesh as write does, and return what a conversion leaves out."""
+        """Write the mesh as write does. Return the list of data that a conversion loses, or an empty text."""
         encoded = os.fsencode(path)
         if not io("can_write")(self.handle.file, encoded) and io("can_convert")(self.handle.file, encoded):
             return self._convert(encoded)
@@ -236,12 +240,12 @@ class Mesh:
 
     @staticmethod
     def tell(path: Any, lost: str, depth: int) -> None:
-        """Warn the caller, who is depth calls away, of what a conversion left out."""
+        """Warn the caller, depth calls away, of the data that a conversion lost."""
         if lost:
             warnings.warn(f"{os.fspath(path)} lacks {lost}", ConversionWarning, stacklevel=depth)
 
     def _convert(self, path: bytes) -> str:
-        """Write the mesh in another format, and return what that leaves out."""
+        """Write the mesh in another format. Return the list of data that this loses."""
         reason = np.zeros(len(self.points), dtype=np.uint8)
         call(io("get_held"), self.handle.file, None, pointer(reason))
         held = (reason & ~np.uint8(_OF_MESH) != 0).astype(np.uint8)
@@ -260,7 +264,7 @@ class Mesh:
                 ("regions", int(self.info.n_regions))]
 
     def __repr__(self) -> str:
-        """Return where the mesh comes from."""
+        """Return the path and the numbers of nodes and elements."""
         return f"<planish.Mesh of {self.path!r}: {len(self.points)} nodes, {self.structure.n_elements} elements>"
 
     def __str__(self) -> str:
@@ -272,22 +276,22 @@ class Mesh:
         return html_table(self.rows())
 
     def __reduce__(self) -> Any:
-        """Refuse to be copied or pickled."""
+        """Raise TypeError: a mesh cannot be copied or pickled."""
         raise TypeError("a mesh of a file can be neither copied nor pickled; read it again")
 
 
 def read(path: Union[str, "os.PathLike[str]"], *, format: Optional[str] = None,  # pylint: disable=redefined-builtin
          threads: int = 0, isolated: bool = True, plane_tolerance: float = 0) -> Mesh:
-    """Read a mesh file (docs/formats.md), or a folder where a format is one.
+    """Read a mesh file, or the folder of a format that is a folder (docs/formats.md). Raise FileError if that fails.
 
     Args:
         path: the file
-        format: name of the format; None: by content, then by extension
-        threads: number of threads, 0 as many as there are
-        isolated: open a file in HDF5 in a child process first, as damaged ones can end a process. That takes twice
-            the time, and no other thread may use the HDF5 library meanwhile
-        plane_tolerance: how far off their plane nodes of flat elements may be, as a fraction of the bounding box's
-            diagonal; 0: as far as the digits of the file say. Beyond, they are a surface in space
+        format: name of the format; None: found by content, then by extension
+        threads: number of threads; 0: all
+        isolated: open a file in HDF5 in a child process first, because a damaged file can end the process. This takes
+            twice the time, and no other thread may use the HDF5 library meanwhile
+        plane_tolerance: largest distance of nodes of flat elements from their common plane, as a fraction of the
+            bounding box's diagonal. Flat elements farther off are a surface in space. 0: as the file's digits say
     """
     options = OpenOptions(format=None if format is None else format.encode(), isolated=bool(isolated),
                           threads=threads_to_use(threads).value, plane_tolerance=plane_tolerance)
@@ -295,12 +299,12 @@ def read(path: Union[str, "os.PathLike[str]"], *, format: Optional[str] = None, 
 
 
 def opened(given: Any) -> Any:
-    """Return the mesh at a path, or what else is given."""
+    """Return the mesh at a path; anything else is returned as it is."""
     return read(given) if isinstance(given, (str, os.PathLike)) else given
 
 
 def write(mesh: Mesh, path: Union[str, "os.PathLike[str]"], *, threads: int = 0) -> None:
-    """Write a mesh of read, as its method write does.
+    """Write a mesh of planish.read, as its method write does. Raise TypeError for other meshes.
 
     Args:
         mesh: the mesh
@@ -320,7 +324,7 @@ def read_sizes(mesh: Mesh, path: Union[str, "os.PathLike[str]"]) -> NDArray[np.f
 
 
 def min_volumes(mesh: Mesh, volumes: Mapping[str, float]) -> NDArray[np.float64]:
-    """Return the minimum volumes [m] that groups give the elements of a mesh."""
+    """Return the minimum volume of each element [m] from the volumes of groups; 0: its groups have none."""
     found, tags = np.zeros(int(mesh.structure.n_elements)), list(volumes)
     values = (c_double * max(len(tags), 1))(*volumes.values())
     call(io("min_volumes"), mesh.handle.file, texts_of(tags), values, c_int(len(tags)), pointer(found))

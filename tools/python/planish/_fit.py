@@ -1,4 +1,4 @@
-"""Fits: the surface of a mesh that is moved onto another one."""
+"""Fits: the surface of a mesh is moved onto another surface."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from ._view import View
 
 
 class Fit:
-    """The places of a mesh's boundary on another surface."""
+    """Places on another surface for the boundary nodes of a mesh."""
 
     def __init__(self, view: View, own: Shape, onto: Shape, options: Options) -> None:
-        """Find the places of the nodes of view, whose shape is own, on the shape onto."""
+        """Find places on the shape onto for the nodes of view. own: the shape of view."""
         self._fit: Optional[c_void_p] = c_void_p()
         self.info = FitInfo()
         self._view = view
@@ -29,11 +29,11 @@ class Fit:
              byref(self._fit), byref(self.info))
 
     def is_held(self) -> bool:
-        """Whether all nodes of the surface are held, before anything moves."""
+        """Whether all nodes of the surface are held, so that none can be moved."""
         return self.info.n_held == self.info.n_nodes
 
     def move(self, options: Options) -> None:
-        """Move the points onto the other surface in place, as far as elements stay valid."""
+        """Move the points to their places, in place, as far as elements stay valid."""
         view = self._view
         taken = Points(view.given, 3, view.points.strides, writes=True)
         call(library.planish_fit_move, self._fit, byref(view.mesh), pointer(taken.array), byref(options),
@@ -50,7 +50,7 @@ class Fit:
         options.project_user = None if self._fit is None else self._fit.value
 
     def distance(self, points: Points) -> ShapeDistance:
-        """Return how far the surface at points is off the other one, and back."""
+        """Return proved distances: from the surface at points to the other surface, and back."""
         found, mesh = ShapeDistance(), MeshView.from_buffer_copy(self._view.mesh)
         mesh.coordinates = address(points.array)
         call(library.planish_fit_measure, self._fit, byref(mesh), byref(found))
@@ -63,5 +63,5 @@ class Fit:
             library.planish_fit_destroy(fit)
 
     def __del__(self) -> None:
-        """Release what nobody has closed."""
+        """Release the memory of a fit that was not closed."""
         self.close()

@@ -11,7 +11,7 @@ from ._arrays import chosen_nodes
 
 
 def names_in(fix: Any) -> list[str]:
-    """Return the names in fix; none: it is nodes."""
+    """Return the names in fix; an empty list if fix chooses nodes."""
     if isinstance(fix, str):
         return [fix]
     if isinstance(fix, (list, tuple, set, frozenset)) and fix and all(isinstance(name, str) for name in fix):
@@ -20,13 +20,13 @@ def names_in(fix: Any) -> list[str]:
 
 
 def _of_cells(mesh: Any, name: str, rows: Any) -> list[Any]:
-    """Return the nodes of a set of cells: rows of each block, or masks."""
+    """Return the nodes of a set of cells of meshio's. rows: numbers of cells, or a mask, for each block."""
     return [np.asarray(block.data)[chosen_nodes(chosen, len(block.data), f"the set of cells {name!r}")].ravel()
             for block, chosen in zip(mesh.cells, rows) if chosen is not None and len(chosen)]
 
 
 def _sets(mesh: Any, kind: str) -> dict[str, Any]:
-    """Return the sets of a kind; what meshio keeps there of Gmsh's are no rows of cells."""
+    """Return the sets of a kind, without the entries "gmsh:...", which are not sets."""
     return {name: rows for name, rows in (getattr(mesh, kind, None) or {}).items() if not name.startswith("gmsh:")}
 
 
@@ -42,7 +42,7 @@ def _named(mesh: Any, name: str, n: int) -> Any:
 
 
 def nodes_to_fix(mesh: Any, fix: Any, n: int) -> NDArray[np.int64]:
-    """Return the nodes that fix means: numbers, a mask, or names of the mesh's sets."""
+    """Return the numbers of the nodes that fix chooses by numbers, a mask, or names of sets."""
     names = names_in(fix)
     if not names:
         return chosen_nodes(fix, n, "fix")

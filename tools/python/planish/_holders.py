@@ -1,4 +1,4 @@
-"""Nodes that cells beside the elements hold: points, edges and facets of meshes, cells of unknown types."""
+"""Cells that hold their nodes: points, edges, facets, and cells of unknown types."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ._cell_types import POLYVERTEX
 
 
 def tags(data: dict[str, Any], n: int) -> NDArray[np.int64]:
-    """Return one number for each of n cells; cells with the same whole numbers in arrays have the same."""
+    """Return a tag [n] for each of n cells. Cells with equal whole numbers in all arrays get equal tags."""
     found = np.zeros(n, dtype=np.int64)
     for values in map(np.asarray, data.values()):
         if values.shape == found.shape and values.dtype.kind in "biuf" and np.all(values == np.floor(values)):
@@ -24,7 +24,7 @@ def tags(data: dict[str, Any], n: int) -> NDArray[np.int64]:
 
 
 def _codes(rows: Array) -> Array:
-    """Return one number for each row of nodes; rows with the same nodes, in any order, have the same."""
+    """Return a code for each row of nodes. Rows with the same nodes, in any order, get equal codes."""
     rows = np.sort(rows.astype(np.int64), axis=1)
     codes, n = rows[:, 0], rows.max(initial=0) + 1
     for i in range(1, rows.shape[1]):
@@ -33,14 +33,14 @@ def _codes(rows: Array) -> Array:
 
 
 def _parts(elements: Array, corners: int) -> Array:
-    """Return all facets (or edges) of elements, as often as they have them."""
+    """Return all facets, or edges, of elements: shared ones once for each element."""
     sets = list(itertools.combinations(range(elements.shape[1]), corners))
     found: Array = elements[:, sets].reshape(-1, corners)
     return found
 
 
 def _boundary_edges(elements: Array) -> Array:
-    """Return the edges of the facets of one element."""
+    """Return the edges of the facets that belong to one element alone."""
     facets = _parts(elements, elements.shape[1] - 1)
     _, first, count = np.unique(_codes(facets), return_index=True, return_counts=True)
     return _parts(facets[first[count == 1]], 2)
@@ -49,8 +49,8 @@ def _boundary_edges(elements: Array) -> Array:
 def _holders(listed: Array, listed_tags: Array, elements: Array) -> NDArray[np.bool_]:
     """Return a mask of the listed edges or facets that hold their nodes.
 
-    Where all of the elements' are listed, those inside with the tag of most inside hold none, and neither do such
-    edges on the boundary, as in files.
+    A list may have all edges or facets of the elements. Then the most frequent tag inside the mesh holds nothing, nor
+    does the most frequent tag of edges on the boundary (docs/formats.md).
     """
     holds = np.ones(len(listed), dtype=bool)
     corners, of_element = listed.shape[1], elements.shape[1]
@@ -71,7 +71,7 @@ def _holders(listed: Array, listed_tags: Array, elements: Array) -> NDArray[np.b
 
 
 def _without_complete(of_kind: list[Block], n_corners: int, elements: Array) -> list[Block]:
-    """Return blocks of edges or facets without those that are listed only because all are."""
+    """Return blocks of one kind, without the edges or facets that a complete list has (see _holders)."""
     names = set.intersection(*(set(block.data) for block in of_kind))
     listed = joined([block.nodes[:, :n_corners] for block in of_kind])
     of_listed = tags({name: joined([block.data[name] for block in of_kind]) for name in names}, len(listed))
@@ -81,7 +81,7 @@ def _without_complete(of_kind: list[Block], n_corners: int, elements: Array) -> 
 
 
 def that_say_something(blocks: list[Block], elements: Array) -> list[Block]:
-    """Return blocks without the edges and facets that are listed only because all are."""
+    """Return blocks without the edges and facets of complete lists, which hold nothing."""
     corners = [block.kind.n_corners if block.kind else 0 for block in blocks]
     kept = [block for block, n in zip(blocks, corners) if n not in (2, 3)]
     for n_corners in (2, 3):
@@ -92,7 +92,7 @@ def that_say_something(blocks: list[Block], elements: Array) -> list[Block]:
 
 
 def check_nodes(block: Block, n_points: int) -> None:
-    """Refuse nodes that are none; -1 is a mid that is missing."""
+    """Raise ValueError if a node is out of range. -1 stands for a missing mid."""
     corners = block.kind.n_corners if block.kind else 0
     parts = [(block.nodes, 0)] if not corners else [(block.nodes[:, :corners], 0), (block.nodes[:, corners:], -1)]
     for nodes, least in parts:
@@ -106,7 +106,7 @@ def _is_of_points(block: Block) -> bool:
 
 
 def held_nodes(blocks: list[Block], n_points: int) -> NDArray[np.uint8]:
-    """Return which nodes the cells of blocks hold. Points that are all nodes hold none, as in files."""
+    """Return a mask [n_points] of the nodes that cells hold. A list of all points holds none, as in files."""
     held = np.zeros(n_points, dtype=np.uint8)
     for of_points in (True, False):
         for block in blocks:
@@ -119,6 +119,6 @@ def held_nodes(blocks: list[Block], n_points: int) -> NDArray[np.uint8]:
 
 
 def tag_kind(block: Block, dim: int) -> Optional[str]:
-    """Return whether cells are facets or edges of elements of dimension dim, None: neither."""
+    """Return "facets" or "edges" for cells that elements of dimension dim may have as such; None: neither."""
     below = dim - (block.kind.dim if block.kind else dim)
     return "facets" if below == 1 else "edges" if below == 2 and dim == 3 else None

@@ -1,4 +1,4 @@
-"""Calls of planish_io, the library of mesh files, and what goes in and comes out."""
+"""Calls of planish_io, the library of mesh files: functions, arguments, results."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def io(name: str) -> Any:
 
 
 def texts(found_at: Any) -> list[str]:
-    """Return a list of texts that NULL ends."""
+    """Return the texts of a C array that NULL ends."""
     found: list[str] = []
     while found_at and found_at[len(found)] is not None:
         found.append(found_at[len(found)].decode(errors="surrogateescape"))
@@ -38,12 +38,12 @@ def texts(found_at: Any) -> list[str]:
 
 
 def texts_of(names: Sequence[str]) -> Any:
-    """Return an array of texts for the library."""
+    """Return a C array of texts for the library."""
     return (c_char_p * max(len(names), 1))(*(os.fsencode(name) for name in names))
 
 
 def values_of(data: Data) -> tuple[NDArray[np.float64], bool]:
-    """Return the values [n, components] of data, which is freed, and whether they are of elements."""
+    """Return the values [n, components] of data, and whether they are of elements. Free data."""
     try:
         shape = int(data.n), int(data.n_components)
         values = np.zeros(shape)
@@ -57,6 +57,6 @@ def values_of(data: Data) -> tuple[NDArray[np.float64], bool]:
 
 
 def hold_of(tags: Sequence[str], **more: Any) -> tuple[Hold, Any]:
-    """Return a planish_hold for groups, and what it points to."""
+    """Return a planish_hold for groups, and the array that it points to, for the caller to keep alive."""
     texts = texts_of(tags)
     return Hold(tags=ctypes.addressof(texts), n_tags=len(tags), **more), texts

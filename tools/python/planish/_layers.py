@@ -27,7 +27,7 @@ def layers_of(view: View) -> NDArray[np.bool_]:
 
 
 def take_layers(view: View, layers: Optional[str]) -> None:
-    """Hold or keep the layers of a view as layers says, which may be KEEP_BY_TYPE."""
+    """Hold or keep the layers of a view. layers: an option of Plan, or KEEP_BY_TYPE."""
     if layers not in (None, KEEP_BY_TYPE, "hold", "keep", "ignore"):
         raise ValueError(f"layers must be hold, keep, ignore or None, not {layers!r}")
     if layers == "keep":
@@ -39,7 +39,7 @@ def take_layers(view: View, layers: Optional[str]) -> None:
 
 
 def _is_of_type(view: View) -> NDArray[np.bool_]:
-    """Return a mask of the elements of types whose layers count unless said otherwise."""
+    """Return a mask [m] of the elements whose layers count by default: wedges, hexahedra, quadrilaterals."""
     layout = view.elements.layout
     if layout is None:
         return np.zeros(view.elements.n, dtype=bool)
@@ -48,9 +48,10 @@ def _is_of_type(view: View) -> NDArray[np.bool_]:
 
 
 def _chosen(view: View, is_all: bool) -> NDArray[np.bool_]:
-    """Return a mask of the elements whose layers are held: all, or by their types.
+    """Return a mask [m] of the elements whose layers are held: all, or by their types.
 
-    Targets survive, and meshes of quadrilaterals alone are often stretched throughout.
+    Elements with targets are not held, because targets keep layers. Neither are quadrilaterals without triangles beside
+    them, because such meshes are often stretched throughout.
     """
     layout = view.elements.layout
     if is_all:
@@ -62,7 +63,7 @@ def _chosen(view: View, is_all: bool) -> NDArray[np.bool_]:
 
 
 def _hold(view: View, chosen: NDArray[np.bool_]) -> None:
-    """Fix the nodes of those chosen elements that are in layers."""
+    """Fix the nodes of the chosen elements that are in layers."""
     if not chosen.any():
         return
     chosen = chosen & layers_of(view)
@@ -77,9 +78,9 @@ def _hold(view: View, chosen: NDArray[np.bool_]) -> None:
 
 
 def _free_invalid(view: View, held: NDArray[np.bool_], n_held: int) -> None:
-    """Free the held nodes of elements that are not valid, which look thin by chance.
+    """Free the held nodes of invalid elements, which look thin by chance.
 
-    All nodes are freed where these are many, as a wall was moved.
+    If invalid elements are many, free all nodes: probably a wall was moved through its layers.
     """
     invalid, layout = view.states() != _VALID, view.elements.as_layout()
     owner = np.repeat(np.arange(len(invalid)), np.diff(layout.offsets))
@@ -91,7 +92,7 @@ def _free_invalid(view: View, held: NDArray[np.bool_], n_held: int) -> None:
 
 
 def _keep_by_type(view: View) -> None:
-    """Keep the layers if they have elements of some types; else hold as if nothing were said."""
+    """Keep the layers if they have elements of the types that count; else hold layers as by default."""
     chosen = _is_of_type(view)
     if not chosen.any():
         _hold(view, _chosen(view, False))
@@ -102,7 +103,7 @@ def _keep_by_type(view: View) -> None:
 
 
 def _keep(view: View) -> None:
-    """Let the elements of layers be targets, with the heights that they have."""
+    """Give the elements of layers targets with their present heights."""
     if view.has_targets:
         raise ValueError(f"give {'like' if not view.mesh.size and not view.mesh.metric else 'size'} or layers='keep', "
                          "not both")

@@ -23,13 +23,13 @@ BESIDE = ""
 
 
 def folders() -> list[pathlib.Path]:
-    """Return the folders where a library may lie beside this package: in a wheel, and as installed."""
+    """Return the folders of the library beside this package: that of a wheel, and that of an installation."""
     here = pathlib.Path(__file__).resolve().parent
     return [here / "lib"] + ([here / BESIDE] if BESIDE else [])
 
 
 def _paths(name: str) -> list[str]:
-    """Return where the library called name is looked for, in this order."""
+    """Return the paths at which to look for the library called name, in this order."""
     soname = f"lib{name}.so.{VERSION.rstrip('.')}"
     named = os.environ.get("PLANISH_LIBRARY")
     if named and name == "planish":
@@ -42,7 +42,7 @@ def _paths(name: str) -> list[str]:
 
 
 def _open(path: str) -> ctypes.CDLL:
-    """Open the library of planish at path, if its version is one of those that fit."""
+    """Open libplanish at path; raise OSError if it is another library, or of a version that does not fit."""
     opened = ctypes.CDLL(path)
     if not hasattr(opened, "planish_version"):
         raise OSError(f"{path}: is no library of planish")
@@ -54,7 +54,7 @@ def _open(path: str) -> ctypes.CDLL:
 
 
 def _load(name: str) -> ctypes.CDLL:
-    """Load the library called name."""
+    """Load the library called name; raise ImportError if no path has it."""
     failures = []
     for path in _paths(name):
         try:
@@ -78,7 +78,7 @@ _of_files: Optional[ctypes.CDLL] = None
 
 
 def files() -> ctypes.CDLL:
-    """Return libplanish_io, the library of mesh files, which is loaded when it is first needed."""
+    """Return libplanish_io, the library of mesh files. The first call loads it."""
     global _of_files  # pylint: disable=global-statement
     if _of_files is None:
         _of_files = _load("planish_io")
@@ -89,7 +89,7 @@ def files() -> ctypes.CDLL:
 
 
 def call(function: Any, *arguments: Any) -> None:
-    """Call a function that returns a status and has an error as its last argument; raise that."""
+    """Call a function whose last argument is a planish_error; raise the error that it returns."""
     error = ErrorInfo()
     if function(*arguments, byref(error)):
         raise exception_of(error.text.decode(errors="replace"), error.code, error.element, error.node)
@@ -123,12 +123,12 @@ if hasattr(os, "register_at_fork"):
 
 
 def threads_to_use(wanted: int) -> c_int:
-    """Return how many threads the library is asked for."""
+    """Return the number of threads to ask of the library: in a forked process one instead of all."""
     return c_int(1 if _is_forked and wanted == 0 else whole(wanted, "threads"))
 
 
 def whole(value: Any, name: str) -> int:
-    """Return an integer that C's int can hold."""
+    """Return value as an integer; raise ValueError if C's int cannot hold it. name: the argument."""
     number = operator.index(value)
     if not -(2**31) <= number < 2**31:
         raise ValueError(f"{name} is {number}, which is out of range")

@@ -15,14 +15,14 @@ _ROUNDING = 1e-6  # of the largest entry, by which symmetric matrices may be uns
 
 
 def _owners(layout: Layout) -> tuple[Array, Array]:
-    """Return the nodes of elements, one behind the other, and the element of each; mids that are missing are out."""
+    """Return the nodes of all elements in a row, without missing mids, and the element of each."""
     owners = np.repeat(np.arange(len(layout.types)), np.diff(layout.offsets))
     is_there = layout.nodes >= 0
     return layout.nodes[is_there], owners[is_there]
 
 
 def _logarithms(values: Array) -> NDArray[np.float64]:
-    """Return logarithms with the bits that C's have, which numpy's need not have."""
+    """Return logarithms by Python's math, which has the bits of C's log; numpy's may differ."""
     return np.array([math.log(value) for value in values.tolist()])
 
 
@@ -37,7 +37,11 @@ def _check_positive(values: Array, what: str) -> None:
 
 
 def sizes_at_nodes(values: Array, layout: Layout, of_elements: bool, n: int) -> NDArray[np.float64]:
-    """Return sizes [n]: of elements the geometric means, and of nodes in no element that of all others."""
+    """Return sizes at the nodes [n].
+
+    Sizes of elements become their geometric mean at each node. A node in no element gets the mean of the others.
+    Raise ValueError for sizes that are not positive, or too different.
+    """
     nodes, owners = _owners(layout)
     count = np.bincount(nodes, minlength=n)
     is_used = count > 0
@@ -59,7 +63,7 @@ def sizes_at_nodes(values: Array, layout: Layout, of_elements: bool, n: int) -> 
 
 
 def _matrices(values: Array, dim: int, is_solution: bool) -> NDArray[np.float64]:
-    """Return symmetric matrices [.., dim, dim] of values by their number: lower triangles, or matrices by rows."""
+    """Return symmetric matrices [.., dim, dim]. A row of values is a lower triangle or a matrix, by its length."""
     width = values.shape[1]
     if width in (4, 9) and width in (dim * dim, 9):
         full = values.reshape(-1, math.isqrt(width), math.isqrt(width))[:, :dim, :dim]
@@ -79,7 +83,10 @@ def _matrices(values: Array, dim: int, is_solution: bool) -> NDArray[np.float64]
 
 def metrics_at_nodes(values: Array, layout: Layout, of_elements: bool, n: int, dim: int,
                      is_solution: bool) -> NDArray[np.float64]:
-    """Return metrics [n, dim, dim]: of elements the means, and of nodes in no element that of all others."""
+    """Return metrics at the nodes [n, dim, dim].
+
+    Metrics of elements become their mean at each node. A node in no element gets the mean of the others.
+    """
     matrices = _matrices(values, dim, is_solution)
     nodes, owners = _owners(layout)
     count = np.bincount(nodes, minlength=n)

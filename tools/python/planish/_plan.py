@@ -35,7 +35,7 @@ _AT_WORK = ("the plan is at work, in another thread or in the smooth that calls 
 
 
 def _take_targets(view: View, choices: PlanChoices) -> None:
-    """Give the view the shapes or sizes that elements are to have."""
+    """Give the view the target shapes or sizes of its elements."""
     if choices.like is not None:
         _targets.take_like(view, opened(choices.like))
     if isinstance(choices.size, str):
@@ -60,7 +60,7 @@ def _take_min_volume(view: View, given: Any) -> None:
 
 
 def _view_for(source: Source, choices: PlanChoices) -> View:
-    """Return the view of the mesh of a plan, but for nodes that slide."""
+    """Return the view of the mesh of a plan, before nodes that slide are found."""
     is_sliding, _, groups = choices.slides()
     holding = Holding(choices.fix, choices.regions, is_sliding or choices.onto is not None, groups)
     view = view_of(source, holding, choices.threads)
@@ -84,11 +84,12 @@ def _options_for(view: View, choices: PlanChoices) -> Options:
 
 
 class Plan:
-    """Stars, colours and memory of one connectivity, for many positions of its nodes.
+    """Plan of one connectivity, for many positions of its nodes: neighbourhoods, colours and memory.
 
-    A plan serves one thread at a time: others wait, and are refused with RuntimeError while it smooths. Close it, or
-    use it in a with statement. region_arrays names the arrays between whose values nodes are held, slides has the
-    numbers of nodes that slide, shape is the Shape that they slide on; with onto, fit has numbers.
+    A plan serves one thread at a time. Another thread waits while it measures, and gets RuntimeError while it smooths.
+    Close a plan, or use it in a with statement.
+
+    slides is a SlideInfo, shape the Shape that nodes slide on, or None.
     """
 
     def __init__(
@@ -117,11 +118,14 @@ class Plan:
         keep_sizes: bool = False,
         size_weight: Optional[float] = None,
     ) -> None:
-        """Make a plan for a mesh. Elements are the cells of the highest dimension, m of them in the order given.
+        """Make a plan for a mesh. Its elements are the m cells of the highest dimension, in the given order.
 
-        Elements are smoothed, but for pyramids of second order. All other cells hold their nodes. The mid of an edge
-        follows its ends; -1 is a mid that is missing. With any elements but triangles or tetrahedra, ratios are
+        Elements are smoothed, except pyramids of second order. All other cells hold their nodes. The mid of an edge
+        follows its ends; -1 stands for a missing mid. If some elements are not triangles or tetrahedra, ratios are the
         aspect ratios AR of all elements (docs/elements.md).
+
+        Raise Error, a ValueError, if planish refuses the mesh, ValueError or TypeError for a wrong argument, and
+        MemoryError.
 
         Args:
             points: coordinates, an array [n, 2 or 3] of numpy, or a mesh of planish.read, meshio or PyVista
@@ -130,36 +134,37 @@ class Plan:
                 VTK's arrays, (cells, celltypes) as in PyVista, or (nodes, offsets, types); None with a mesh
             fix: nodes that stay besides those of the boundary: numbers, a mask, or names of groups of the mesh
             min_volume: minimum volume of each element, an array [m], 0 for none; with planish.read a dict by groups
-            threads: number of threads, 0 as many as there are and the mesh is large enough for; one in a child of
-                os.fork (multiprocessing), where those of the parent would be waited for
-            only_worse_than: only nodes of elements whose ratio exceeds it move
-            rings: and of so many rings of elements around
-            around: only these nodes (numbers, or a mask) move, and of rings; qualities and results are of their
-                elements
-            regions: nodes between regions (materials) are held. Left out: those of all arrays of the cell data that
-                look like regions, by the program's rule (docs/algorithm.md). An array [m] of whole numbers, the
-                name or names of arrays of the cell data, or None: let these nodes move
-            rounding: how far off the middle of its edge a mid of a straight edge may be; None: what floats leave
-            layers: hold the nodes of boundary layers; ignore the layers; or keep their heights, while nodes move
+            threads: number of threads; 0: as many as the machine has and the mesh is large enough for, but one in a
+                child of os.fork (multiprocessing), which has no threads of its parent
+            only_worse_than: move only nodes of elements whose ratio is above this
+            rings: with only_worse_than or around: also the nodes of so many rings of elements around
+            around: move only these nodes (numbers, or a mask [n]) and those of rings; qualities and results are of
+                their elements
+            regions: hold the nodes between regions (materials): an array [m] of whole numbers, or names of arrays of
+                the cell data. Left out: all arrays of the cell data that look like regions, by the program's rule
+                (docs/algorithm.md). None: let these nodes move
+            rounding: distance, in the units of points, of a straight edge's mid from the middle that counts as
+                rounding; None: what floats leave
+            layers: "hold" the nodes of boundary layers, "ignore" the layers, or "keep" their heights while nodes move
                 along them. None: hold those of wedges and hexahedra, and of quadrilaterals beside triangles, but no
                 node of an invalid element
-            slide: let nodes of the boundary move. auto: within planes and straight edges; curved: also on curved
-                patches and edges; with planish.read names of groups, which alone are slid on. Facets and edges among
-                the cells are tags then, as for Shape, and hold nothing
-            slide_interfaces: with slide="curved": also on curved interfaces between regions
+            slide: let nodes of the boundary move: "auto" within planes and straight edges, "curved" also on curved
+                patches and edges; with planish.read also names of groups, to slide on these alone. Facets and edges
+                among the cells are then tags, as for Shape, and hold nothing
+            slide_interfaces: with slide="curved": let nodes slide on curved interfaces between regions, too
             slide_tolerance: largest distance from a plane or line, as a fraction of the bounding box's diagonal
-            surface_of: the original surface for slide="curved": a Shape, or points, a mesh or a path with the same
-                elements, so that runs in a row do not add up
+            surface_of: original surface for slide="curved", so that repeated runs do not drift: a Shape, or points, a
+                mesh or a path with the same elements
             crease_angle: as for Shape
-            onto: fit the surface to this Shape, mesh or path (docs/surfaces.md, "Another surface"): the points move
-                there, in place, as far as elements stay valid, and slide along it
-            like: points [n, 2 or 3], a mesh or a path of the same nodes: the target of each element is its shape
-                there (docs/targets.md). Ratios are then aspect ratios against the targets
-            size: edge lengths [n] that elements are to have at the points, in relation to one another; or metrics,
-                symmetric matrices [n, 2, 2] or [n, 3, 3]; or the name of an array of the mesh
-            size_from: a .sol or .solb file of Medit's that has them
-            keep_sizes: the sizes that the elements have are wanted
-            size_weight: 0 .. 1, what sizes count against shapes; None: 0.9, with like 0
+            onto: fit the surface to this Shape, mesh or path (docs/surfaces.md, "Another surface"). The points move
+                there, in place, as far as elements stay valid, and then slide along it
+            like: points [n, 2 or 3], a mesh or a path with the same nodes. The target of each element is its shape
+                there (docs/targets.md), and ratios are aspect ratios against the targets
+            size: wanted edge lengths [n] at the points, in relation to one another; or metrics, symmetric matrices
+                [n, 2, 2] or [n, 3, 3]; or the name of an array of the mesh
+            size_from: a .sol or .solb file of Medit's with these sizes or metrics
+            keep_sizes: the elements are to have their present sizes, in relation to one another
+            size_weight: weight of sizes, 0 .. 1; shapes have the rest. None: 0.9, with like 0
         """
         self._setup(Source(points, cells), PlanChoices(
             fix=fix, min_volume=min_volume, threads=threads, only_worse_than=only_worse_than, rings=rings,
@@ -196,7 +201,7 @@ class Plan:
         call(library.planish_plan_create, byref(self._view.mesh), byref(self._options), byref(self._plan))
 
     def _find_slides(self, source: Source, choices: PlanChoices) -> None:
-        """Let nodes slide as slide asks for."""
+        """Find the nodes that slide, as the option slide says."""
         is_sliding, is_curved, _ = choices.slides()
         if is_curved:
             self.shape = shape_for(source, opened(choices.surface_of), choices.regions, choices.crease_angle, choices.threads)
@@ -236,9 +241,9 @@ class Plan:
 
     @contextlib.contextmanager
     def _use(self, measures: bool = False) -> Iterator[None]:
-        """Keep other threads from the plan meanwhile.
+        """Keep other threads from the plan.
 
-        measures: what is done may also be done by the progress of the thread that smooths, and by handlers of signals.
+        measures: the work only measures, so that progress may do it, too, and so may handlers of signals.
         """
         if self._smoother not in (0, threading.get_ident()):
             raise RuntimeError(_AT_WORK)
@@ -256,7 +261,7 @@ class Plan:
             self._lock.release()
 
     def close(self) -> None:
-        """Release the memory of the plan. It cannot be used any more then."""
+        """Release the memory of the plan, which cannot be used afterwards."""
         if not self._plan:
             return
         with self._use():
@@ -267,7 +272,7 @@ class Plan:
                 self._fit.close()
 
     def __reduce__(self) -> Any:
-        """Refuse to be copied or pickled."""
+        """Raise TypeError: a plan cannot be copied or pickled."""
         raise TypeError("a plan can be neither copied nor pickled; make another one")
 
     def __enter__(self) -> Plan:
@@ -279,12 +284,12 @@ class Plan:
         self.close()
 
     def __del__(self) -> None:
-        """Release what nobody has closed."""
+        """Release the memory of a plan that was not closed."""
         if getattr(self, "_plan", None):
             self.close()
 
     def _coordinates(self, points: Any, writes: bool = False) -> Points:
-        """Return points (a mesh, or None: those given at first), laid out as the plan's mesh is."""
+        """Return the coordinates of points, a mesh or None (the first points), laid out as the plan's mesh."""
         if not self._plan:
             raise ValueError("the plan is closed")
         if self._process != os.getpid() and self._options.threads != 1:
@@ -310,11 +315,13 @@ class Plan:
 
     @property
     def fit(self) -> Optional[FitInfo]:
-        """Numbers of nodes that were fitted to the surface of onto; None without onto."""
+        """Counts of the nodes fitted to the surface of onto; None without onto."""
         return None if self._fit is None else self._fit.info
 
     def fit_distance(self, points: Any = None) -> ShapeDistance:
-        """Return how far the surface is off that of onto, and that one off it: proved for every point.
+        """Return the distance of the surface from that of onto, and back, proved for every point.
+
+        Raise ValueError if the plan was made without onto.
 
         Args:
             points: coordinates of the nodes, or the mesh; None: those given at first
@@ -347,10 +354,10 @@ class Plan:
         return found
 
     def radius_ratios(self, points: Any = None) -> NDArray[np.float64]:
-        """Return the radius ratio [m] of each element: 1 is best, 0 inverted or flat.
+        """Return the radius ratio of each element [m]: 1 is best, 0 means inverted or flat.
 
-        They are AR of all elements where some are no triangles or tetrahedra, by their corners, and nan for elements
-        that a plan around some nodes does not know.
+        If some elements are not triangles or tetrahedra, return the aspect ratio AR of each. The value is nan for
+        elements outside a plan with around.
 
         Args:
             points: coordinates [n, 2 or 3], or the mesh; None: those given at first
@@ -387,29 +394,30 @@ class Plan:
 
         Args:
             points: coordinates [n, 2 or 3], or the mesh; None: those given at first
-            objective: radius-ratio (the default of triangles and tetrahedra alone), mean-ratio (that of other
-                meshes), edge-ratio, or worst: the default, and then the worst elements
-            worst_measure: of the worst elements: dihedral (default) or radius-ratio of triangles and tetrahedra
-                alone, scaled-jacobian (default) or aspect-ratio in other meshes
-            worst_rise: by how much of itself the objective may rise for the worst elements
-            min_volume: minimum volume (area) of every element; 0: they are positive
-            min_volume_fraction: minimum volume as a fraction of the domain's
-            area_weight: 0 .. 1, what volumes above the minimum count
-            curve_quality: mids of curved elements whose least Jacobian is below so much of their mean move by
-                themselves; 0: none
-            surface_tolerance: with slide="curved": how far the surface may be off the original one, a number, or one
-                in mean edges, such as "0.02h"; 0: "0.05h"
-            max_displacement: how far a node may go, a number, or one in mean edges, such as "0.5h"; 0: any distance
-            box: lower and upper corner of a box that movable nodes stay in
-            method: planish, or for comparison laplacian, area-laplacian or length-laplacian, which may invert elements
-            direction: search direction of a node's local problem
+            objective: "radius-ratio" (default of triangles and tetrahedra alone), "mean-ratio" (default of other
+                meshes), "edge-ratio", or "worst": the default, and then the worst elements
+            worst_measure: measure of the worst elements: "dihedral" (default) or "radius-ratio" for triangles and
+                tetrahedra alone, "scaled-jacobian" (default) or "aspect-ratio" for other meshes
+            worst_rise: largest relative rise of the objective allowed for the worst elements
+            min_volume: minimum volume (area in two dimensions) of every element; 0: any positive volume
+            min_volume_fraction: minimum volume as a fraction of the sum of all volumes
+            area_weight: weight of volumes above the minimum, 0 .. 1
+            curve_quality: mids of a curved element move by themselves if its least Jacobian is below this fraction of
+                the mean one; 0: none do
+            surface_tolerance: with slide="curved": largest distance of the surface from the original one, a number in
+                the units of points, or a text in mean edges, such as "0.02h"; 0: "0.05h"
+            max_displacement: largest distance that a node moves, given in the same two ways; 0: any distance
+            box: lower and upper corner of a box that movable nodes stay in, 4 or 6 numbers
+            method: "planish", or for comparison "laplacian", "area-laplacian" or "length-laplacian", which may invert
+                elements
+            direction: search direction of a node's local problem, "newton" or "fletcher-reeves"
             untangle: repair inverted elements first
             max_sweeps: largest number of sweeps
-            tolerance: converged if the RMS falls by less of itself per sweep
-            time_limit: seconds; 0: none
-            progress: called with a Progress after every colour of nodes. If it returns something true, smoothing ends
-                there. An exception of it, or of a signal's handler meanwhile, is raised here, and points are then as
-                good as they had become. Without progress signals wait for the end
+            tolerance: smoothing has converged if a sweep lowers the RMS by less than this fraction
+            time_limit: time in seconds after which smoothing ends; 0: none
+            progress: called with a Progress after every colour of nodes. Smoothing ends if it returns a true value. If
+                progress, or a handler of a signal meanwhile, raises an exception, smoothing ends, and smooth raises
+                it; points keep the improvement so far. Without progress signals wait for the end
         """
         return self.run(points, RunChoices(
             objective=objective, worst_measure=worst_measure, worst_rise=worst_rise, min_volume=min_volume,

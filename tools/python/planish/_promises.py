@@ -1,7 +1,7 @@
-"""Promises in tilted planes: rounding to the file's digits may break what smoothing promises, and is taken back then.
+"""Promises in tilted planes: nodes go back where rounding to the file's digits breaks a promise of smoothing.
 
-In a tilted plane no coordinate is one of the file, so that the library has rounded none. Signs are made sure of, and
-elements that break other promises get their nodes back, as the program does.
+In a tilted plane coordinates are not those of the file, so that the library cannot round them. This module rounds them.
+As in the program, nodes go back if their elements are then inverted, or worse than promised.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class _State(NamedTuple):
 
 
 class Promises:
-    """The promises for a mesh in a tilted plane, as it was before smoothing."""
+    """Promises for a mesh in a tilted plane, and its measures before smoothing."""
 
     def __init__(self, plan: Plan, view: FileView, choices: PlanChoices, run: RunChoices) -> None:
         """Measure the mesh."""
@@ -65,7 +65,7 @@ class Promises:
         return state.quality.n_inverted if state.cells is None else state.cells.n_inverted + state.cells.n_uncertified
 
     def _newly_invalid(self, after: _State) -> NDArray[np.bool_]:
-        """Return a mask of the elements that were valid and are not so now."""
+        """Return a mask [m] of the elements that were valid before and are not valid now."""
         if self.before.states is None or after.states is None:
             return np.zeros(self.view.elements.n, dtype=bool)
         found: NDArray[np.bool_] = (self.before.states == _VALID) & (after.states != _VALID)
@@ -86,7 +86,7 @@ class Promises:
         return after.cells.min_scaled_jacobian < self.before.cells.min_scaled_jacobian - _ROUNDING - slack
 
     def _is_broken(self, after: _State, result: Result) -> bool:
-        """Whether the mesh is worse than is promised."""
+        """Whether the mesh breaks a promise."""
         slack = _ROUNDING if self.has_types else 0.0
         if self._is_more_inverted(after):
             return True
@@ -101,7 +101,7 @@ class Promises:
             result.objective_of_worst <= 0 and now.rms_radius_ratio > before.rms_radius_ratio * (1 + _ROUNDING))
 
     def _mark(self, after: _State, back: NDArray[np.uint8]) -> None:
-        """Let the corners of elements that break promises go back, or all nodes if that changes nothing."""
+        """Mark in back [n] the corners of elements that break promises, or all nodes if these are marked already."""
         ratios, layout = self.plan.radius_ratios(), self.view.elements.as_layout()
         breaks = (ratios == 0) | self._newly_invalid(after)
         if self.was_valid:
@@ -115,7 +115,7 @@ class Promises:
         back[nodes] = 1
 
     def keep(self, result: Result) -> None:
-        """Round the mesh to what the file holds, and let nodes return where that breaks a promise."""
+        """Round the points to the digits of the file, and put nodes back where that breaks a promise."""
         back = np.zeros(self.view.n, dtype=np.uint8)
         for turn in range(_ROUNDS + 2):
             n = c_int64(0)
@@ -131,7 +131,7 @@ class Promises:
 
 
 def promises_for(plan: Plan, choices: PlanChoices, run: RunChoices) -> Optional[Promises]:
-    """Return the promises to be kept after smoothing a mesh, None: the library has kept them."""
+    """Return the promises to keep after smoothing a mesh; None: the library keeps them."""
     view = plan.view
     plane = view.source.plane() if isinstance(view, FileView) else None
     is_tilted = plane is not None and bool(plane.is_tilted)

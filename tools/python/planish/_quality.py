@@ -1,4 +1,4 @@
-"""Measures of meshes, and what is found in them."""
+"""Measures of meshes; nodes that slide, sizes and layers in them."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def _measure_cells(view: View, rounding: Optional[float], per_element: bool, fou
 
 
 def _take_size(view: View, size: Any, start: Any) -> None:
-    """Give a view sizes, or the name of those, that were given where the points were at start."""
+    """Give a view sizes, metrics or the array of that name. start: points where they were given; None: its points."""
     _targets.take_size(view, view.named_size(size) if isinstance(size, str) else size)
     if start is not None:
         _targets.take_places(view, opened(start), "start")
@@ -48,18 +48,20 @@ def _take_size(view: View, size: Any, start: Any) -> None:
 def quality(points: Any, cells: Any = None, *, fix: Optional[Fix] = None, regions: Any = BY_RULE,
             rounding: Optional[float] = None, per_element: bool = False, like: Any = None, size: Any = None,
             start: Any = None, threads: int = 0) -> Quality:
-    """Return the quality of a mesh. Triangles and quadrilaterals in space are measured each in its own plane.
+    """Return the quality of a mesh. A surface in space is measured face by face, each in its own plane.
+
+    Raise Error, a ValueError, if planish refuses the mesh, and ValueError or TypeError for a wrong argument.
 
     Args:
         points: as for Plan
         cells: as for Plan
-        fix: as for Plan: elements without a node that moves are counted besides
+        fix: as for Plan: elements without a movable node are also counted by themselves
         regions: as for Plan
         rounding: as for Plan
-        per_element: measure each element, too: the result has elements
-        like: as for Plan: measure against the shapes there
-        size: metrics, as for Plan: AR is that where lengths are measured by them
-        start: where the points were when the size was given; None: where they are
+        per_element: measure each element, too; the result then has elements
+        like: as for Plan: measure elements against their shapes there
+        size: metrics, as for Plan: lengths in AR are measured by these
+        start: points [n, 2 or 3] where size was given; None: points
         threads: as for Plan
     """
     if start is not None and size is None:
@@ -84,14 +86,14 @@ def quality(points: Any, cells: Any = None, *, fix: Optional[Fix] = None, region
 
 def find_slides(points: Any, cells: Any = None, *, fix: Optional[Fix] = None, regions: Any = BY_RULE,
                 surface_of: Any = None, slide_interfaces: bool = False, threads: int = 0) -> Slides:
-    """Return which nodes slide on planes and straight edges.
+    """Return the constraint of each node: free, fixed, or sliding on a plane or straight edge.
 
     Args:
         points: as for Plan
         cells: as for Plan
         fix: as for Plan
         regions: as for Plan
-        surface_of: as for Plan: nodes slide on its patches and curves, too
+        surface_of: as for Plan; nodes then slide on its patches and curves, too
         slide_interfaces: as for Plan
         threads: as for Plan
     """
@@ -107,7 +109,7 @@ def find_slides(points: Any, cells: Any = None, *, fix: Optional[Fix] = None, re
 
 
 def find_sizes(points: Any, cells: Any = None, *, threads: int = 0) -> NDArray[np.float64]:
-    """Return the sizes [n] that a mesh has: at each point the mean of its elements', as edge lengths of ideal ones.
+    """Return the size at each point [n]: the mean over its elements of the edge length of an ideal element as large.
 
     Args:
         points: as for Plan
@@ -119,14 +121,14 @@ def find_sizes(points: Any, cells: Any = None, *, threads: int = 0) -> NDArray[n
 
 def size_quality(points: Any, cells: Any = None, *, size: Any, start: Any = None, per_element: bool = False,
                  threads: int = 0) -> SizeQuality:
-    """Return the sizes of the elements against those wanted.
+    """Return measures of the sizes of elements against the wanted sizes.
 
     Args:
         points: as for Plan
         cells: as for Plan
         size: sizes or metrics, as for Plan
-        start: where the points were when the size was given; None: where they are
-        per_element: the result has ratio [m]
+        start: points [n, 2 or 3] where size was given; None: points
+        per_element: measure each element, too; the result then has ratio [m]
         threads: as for Plan
     """
     view, found = view_of(Source(points, cells), Holding(regions=None), threads), SizeQuality()
@@ -138,7 +140,7 @@ def size_quality(points: Any, cells: Any = None, *, size: Any, start: Any = None
 
 
 def find_layers(points: Any, cells: Any = None, *, threads: int = 0) -> NDArray[np.bool_]:
-    """Return a mask [m] of the elements that are thin in layers, as those of a boundary layer.
+    """Return a mask [m] of the elements that are thin in layers, such as a boundary layer.
 
     Args:
         points: as for Plan
@@ -149,7 +151,7 @@ def find_layers(points: Any, cells: Any = None, *, threads: int = 0) -> NDArray[
 
 
 def checksum(points: Any, cells: Any = None) -> int:
-    """Return a number for the bits of the points: equal if these are.
+    """Return a checksum of the coordinates: equal for equal bits.
 
     Args:
         points: as for Plan

@@ -1,4 +1,4 @@
-"""Regions (materials): arrays of cells that tell them, and the nodes between regions."""
+"""Regions (materials): the arrays of cells that they come from, and the nodes between regions."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _NUMBERS = {"int32": 0, "int64": 1, "int8": 2, "int16": 3, "uint8": 4, "uint16":
 
 
 class ByRule:
-    """That arrays of cells which look like regions are regions."""
+    """Default of regions: arrays of cells that look like regions are regions."""
 
     def __repr__(self) -> str:
         """Return a word for it."""
@@ -29,7 +29,7 @@ BY_RULE = ByRule()
 
 
 def _numbers(values: Any, n: int) -> Optional[Array]:
-    """Return values [n] as the library takes them; None if they are not one number for each cell."""
+    """Return values [n] in a type of the library's; None if there is not one number for each cell."""
     values = np.asarray(values)
     if values.shape == (n, 1):
         values = values[:, 0]
@@ -43,7 +43,7 @@ def _numbers(values: Any, n: int) -> Optional[Array]:
 
 
 def names_of(regions: Any) -> Optional[list[str]]:
-    """Return the names of arrays that regions are, None: they are values."""
+    """Return the names of arrays in regions; None: regions are values."""
     if isinstance(regions, str):
         return [regions]
     if isinstance(regions, np.ndarray) or not np.iterable(regions):
@@ -52,7 +52,7 @@ def names_of(regions: Any) -> Optional[list[str]]:
 
 
 def _wanted(data: dict[str, Any], regions: Any) -> dict[str, Any]:
-    """Return the arrays asked for."""
+    """Return the arrays, by name, that the option regions asks for."""
     if regions is None:
         return {}
     if regions is BY_RULE:
@@ -68,7 +68,7 @@ def _wanted(data: dict[str, Any], regions: Any) -> dict[str, Any]:
 
 
 class Regions:
-    """The arrays of a mesh's cells that tell regions, and what follows from them."""
+    """Arrays of a mesh's cells whose values are regions, and the regions of elements."""
 
     def __init__(self, view: View, regions: Any) -> None:
         """Take the arrays of the view's elements that regions asks for."""
@@ -91,14 +91,14 @@ class Regions:
             raise ValueError(f"regions: array {name!r} has not one number for each of {self.view.elements.n} elements")
 
     def used(self) -> list[str]:
-        """Return the names of the arrays that tell regions; by the rule the library decides."""
+        """Return the names of the arrays that are regions. By the rule, the library decides."""
         if self.is_by_rule and self.names:
             call(library.planish_find_regions, byref(self.view.mesh), self.arrays, c_int(len(self.names)),
                  threads_to_use(self.view.threads))
         return [name for name, array in zip(self.names, self.arrays) if array.is_region]
 
     def combined(self) -> Optional[NDArray[np.int32]]:
-        """Return the region [m] of each element; None if there are none."""
+        """Return the region number of each element [m]; None if no array is a region."""
         if not any(array.is_region for array in self.arrays):
             return None
         region = np.zeros(self.view.elements.n, dtype=np.int32)

@@ -1,4 +1,4 @@
-"""Results: the structures of planish.h that callers see, field by field."""
+"""Results: structures of planish.h for callers, field by field."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Printed(Structure):
 
 @fields
 class Spread(Printed):
-    """Smallest, mean and largest value of a measure over the valid elements."""
+    """Smallest, mean and largest value of a measure over the valid elements; 0 if they do not have this measure."""
 
     min: Double
     mean: Double
@@ -78,7 +78,7 @@ class CellMeasures(Printed):
 class CellQuality(Printed):
     """Quality of elements of any types: planish_cell_quality of planish.h.
 
-    all are the measures of all elements, by_type those of each type by its name.
+    all has the measures of all elements, by_type those of each type by meshio's name of the type.
     """
 
     all: CellMeasures
@@ -109,7 +109,7 @@ class CellQuality(Printed):
 class CellValues(NamedTuple):
     """Measures of single elements, arrays [m]: planish_cell_values of planish.h.
 
-    0 stands for a measure that an element does not have.
+    The value is 0 for a measure that an element does not have.
     """
 
     number: NDArray[np.int64]  # place of the element among all cells given, those of lower dimension included
@@ -125,9 +125,9 @@ class CellValues(NamedTuple):
 class Quality(Printed):
     """Quality of a mesh: planish_quality of planish.h, field by field.
 
-    With any elements but triangles or tetrahedra the aspect ratio AR stands for the radius ratio in these fields,
-    and there are no angles. cells is the CellQuality of elements of all types, and elements the CellValues of each.
-    Both are None unless asked for; cells is there for any elements but straight simplices, too.
+    If some elements are not triangles or tetrahedra, or if they have targets, fields of radius ratios have the aspect
+    ratio AR, and angles are 0. cells is the CellQuality of all elements, if some are not straight triangles or
+    tetrahedra, or with per_element, like or size; else None. elements is the CellValues with per_element, else None.
     """
 
     cells: Optional[CellQuality] = None
@@ -219,7 +219,7 @@ class ShapeDistance(Printed):
 
 @fields
 class FitInfo(Printed):
-    """Nodes that were fitted to another surface: planish_fit_info of planish.h, field by field."""
+    """Counts of the nodes fitted to another surface: planish_fit_info of planish.h, field by field."""
 
     n_nodes: Int64
     n_on_patch: Int64
@@ -234,7 +234,7 @@ class FitInfo(Printed):
 
 @fields
 class SlideInfo(Printed):
-    """Numbers of nodes that slide: planish_slide_info of planish.h, field by field."""
+    """Counts of the nodes that slide: planish_slide_info of planish.h, field by field."""
 
     n_surface: Int64
     n_on_plane: Int64
@@ -245,7 +245,7 @@ class SlideInfo(Printed):
 
 
 class Slides(NamedTuple):
-    """Constraints of nodes, 0 to 6: free, fixed, on a plane, on a line, (on a surface,) on a patch, on a curve."""
+    """Constraint of each node: 0 free, 1 fixed, 2 on a plane, 3 on a line, 5 on a patch, 6 on a curve."""
 
     constraint: NDArray[np.uint8]  # [n]
     direction: NDArray[np.float64]  # [n, dim] normals of planes, and directions of lines
@@ -254,9 +254,9 @@ class Slides(NamedTuple):
 
 @fields
 class SizeQuality(Printed):
-    """Sizes of elements against those wanted: planish_size_quality of planish.h, field by field.
+    """Sizes of elements against the wanted sizes: planish_size_quality of planish.h, field by field.
 
-    ratio [m], size / (factor * wanted) of each element, is there with per_element.
+    With per_element ratio [m] is size / (factor * wanted) of each element, else None.
     """
 
     ratio: Optional[NDArray[np.float64]] = None
@@ -275,7 +275,7 @@ class SizeQuality(Printed):
 class Result(Printed):
     """Result of smoothing: planish_result of planish.h, field by field.
 
-    With onto, fit has the numbers of nodes, and fit_distance the distance from that surface.
+    With onto, fit has the counts of nodes, and fit_distance the distance from that surface. Else both are None.
     """
 
     fit: Optional[FitInfo] = None
@@ -317,7 +317,7 @@ class Result(Printed):
 
     @property
     def stop(self) -> str:
-        """Reason of the end: converged, max-sweeps, time-limit, interrupted or infeasible."""
+        """Reason why smoothing ended: converged, max-sweeps, time-limit, interrupted or infeasible."""
         return ("converged", "max-sweeps", "time-limit", "interrupted", "infeasible")[self._stop]
 
     def as_dict(self) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""A run of the library that Python watches: progress, and what is raised meanwhile."""
+"""A run of the library with the caller's progress, and the exceptions raised meanwhile."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ._structures import PROGRESS, Options, Progress
 
 
 class _Watch:
-    """The caller's progress, as the library calls it."""
+    """Function for the library to call, which calls the caller's progress."""
 
     def __init__(self, progress: Callable[[Progress], Any]) -> None:
         self.progress = progress
@@ -18,7 +18,7 @@ class _Watch:
         self.hook = sys.unraisablehook
 
     def __call__(self, seen: Any, _user: Any) -> int:
-        """Call progress; end the run if that says so or raises."""
+        """Call progress. Return 1, which ends the run, if progress returns a true value or raises."""
         if self.raised:
             return 1
         try:
@@ -28,7 +28,7 @@ class _Watch:
             return 1
 
     def note(self, unraisable: Any) -> None:
-        """Take what a signal's handler raises before the first line of __call__, as KeyboardInterrupt."""
+        """Keep what a signal's handler raises before the first line of __call__, such as KeyboardInterrupt."""
         if unraisable.object is self:
             self.raised.append(unraisable.exc_value)
         else:
@@ -36,7 +36,7 @@ class _Watch:
 
 
 def watched(options: Options, progress: Optional[Callable[[Progress], Any]], work: Callable[[], None]) -> None:
-    """Do work, which calls the library with options, and raise what progress has raised, once it has ended."""
+    """Do work, which calls the library with options. Then raise the exception that progress raised, if any."""
     if progress is None:
         options.progress = PROGRESS(0)
         work()

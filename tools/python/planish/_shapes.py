@@ -1,4 +1,4 @@
-"""Shapes: curved surfaces as they came, which nodes slide on."""
+"""Shapes: the original curved surfaces, on which nodes slide."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from ._views import Source, view_of_shape
 
 
 class Shape:
-    """The surface of a mesh as it came: patches, curves between them, and corners (docs/surfaces.md).
+    """The original surface of a mesh: patches, curves between them, and corners (docs/surfaces.md).
 
-    The mesh has solids, or triangles and quadrilaterals in space. The shape remembers the points, so that it can
-    serve many runs without drift. Facets and edges among the cells are tags: where they change the surface has an
-    edge. info has counts. Close a shape, or use it in a with statement.
+    The mesh has solids, or triangles and quadrilaterals in space. The shape keeps its own copy of the points, so that
+    many runs can use it without drift. Facets and edges among the cells are tags: the surface has an edge where tags
+    change. info is a ShapeInfo. Close a shape, or use it in a with statement.
     """
 
     def __init__(self, points: Any, cells: Any = None, *, regions: Any = BY_RULE, crease_angle: float = 0,
@@ -33,8 +33,8 @@ class Shape:
             points: coordinates [n, 3], or a mesh, as for Plan
             cells: as for Plan
             regions: as for Plan; the surface has the facets between regions
-            crease_angle: facets that turn by more degrees have an edge between them, others none but for tags;
-                0: edges are found
+            crease_angle: angle in degrees. Facets that turn by more have an edge between them; others have none, but
+                where tags change. 0: planish finds the edges
             threads: as for Plan
         """
         self._make(view_of_shape(Source(points, cells), regions, threads), crease_angle, threads)
@@ -69,10 +69,10 @@ class Shape:
         return found
 
     def distance(self, points: Any) -> ShapeDistance:
-        """Return how far the surface is off this one at most, and back: proved for every point, not sampled.
+        """Return the largest distance of the surface from this shape, and back, proved for every point.
 
         Args:
-            points: coordinates [n, 3] of the surface's nodes now, or the mesh
+            points: present coordinates [n, 3] of all nodes, or the mesh
         """
         taken, found = Points(getattr(points, "points", points), 3), ShapeDistance()
         mesh = MeshView(dim=3, n_nodes=len(taken.array), coordinates=address(taken.array),
@@ -81,13 +81,13 @@ class Shape:
         return found
 
     def close(self) -> None:
-        """Release the memory of the shape. No plan that uses it may be used any more then."""
+        """Release the memory of the shape. Plans with this shape cannot be used afterwards."""
         shape, self._shape = self._shape, c_void_p()
         if shape:
             library.planish_shape_destroy(shape)
 
     def __reduce__(self) -> Any:
-        """Refuse to be copied or pickled."""
+        """Raise TypeError: a shape cannot be copied or pickled."""
         raise TypeError("a shape can be neither copied nor pickled; make another one")
 
     def __enter__(self) -> Shape:
@@ -99,15 +99,15 @@ class Shape:
         self.close()
 
     def __del__(self) -> None:
-        """Release what nobody has closed."""
+        """Release the memory of a shape that was not closed."""
         if getattr(self, "_shape", None):
             self.close()
 
 
 def shape_for(source: Source, given: Any, regions: Any, crease_angle: float, threads: int) -> Shape:
-    """Return the shape that surface_of asks for: given, or that of the mesh with its points at given.
+    """Return the shape for the option surface_of: a given Shape, or that of the mesh with its points at given.
 
-    None: where they are.
+    given None: the present points.
     """
     if isinstance(given, Shape):
         return given

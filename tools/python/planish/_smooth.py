@@ -62,19 +62,22 @@ def smooth(
 ) -> Result:
     """Smooth a mesh in place, after untangling it, as the program does (docs/program.md).
 
+    Raise Error, a ValueError, if planish refuses the mesh, ValueError or TypeError for a wrong argument, and
+    MemoryError. Points then keep their values, except after an exception of progress.
+
     Args:
         points: coordinates, an array [n, 2 or 3] of numpy, or a mesh of planish.read, meshio or PyVista
         cells: arrays of nodes, as for Plan; None with a mesh
-        fix: nodes that stay besides those of the boundary: numbers, a mask, or names of groups of the mesh
-        min_volume: minimum volume (area) of every element, 0: they are positive; or of each, as for Plan
-        threads: number of threads, 0 as many as there are and the mesh is large enough for
-        only_worse_than: only nodes of elements whose ratio exceeds it move
-        rings: and of so many rings of elements around
+        fix: nodes to hold besides those of the boundary: numbers, a mask, or names of groups of the mesh
+        min_volume: minimum volume (area) of every element, 0: any positive volume; or of each element, as for Plan
+        threads: as for Plan
+        only_worse_than: as for Plan
+        rings: as for Plan
         around: as for Plan
         regions: as for Plan
         rounding: as for Plan
-        layers: as for Plan, but None: keep the heights of layers of wedges, hexahedra and quadrilaterals where
-            neither objective, like nor sizes speak against it, else hold them as Plan does
+        layers: as for Plan, except None: keep the heights of layers of wedges, hexahedra and quadrilaterals; with an
+            objective, like or sizes that exclude this, hold these layers as Plan does
         slide: as for Plan
         slide_interfaces: as for Plan
         slide_tolerance: as for Plan
@@ -86,22 +89,22 @@ def smooth(
         size_from: as for Plan
         keep_sizes: as for Plan
         size_weight: as for Plan
-        objective: as for Plan.smooth, as are all that follow
-        worst_measure: what is improved of the worst elements
-        worst_rise: by how much of itself the objective may rise for the worst elements
-        min_volume_fraction: minimum volume as a fraction of the domain's
-        area_weight: 0 .. 1, what volumes above the minimum count
-        curve_quality: mids of elements that are curved more move by themselves
-        surface_tolerance: how far a curved surface may be off the original one
-        max_displacement: how far a node may go
-        box: lower and upper corner of a box that movable nodes stay in
-        method: how nodes are moved
-        direction: search direction of a node's local problem
-        untangle: repair inverted elements first
-        max_sweeps: largest number of sweeps
-        tolerance: converged if the RMS falls by less of itself per sweep
-        time_limit: seconds; 0: none
-        progress: called with a Progress after every colour of nodes; something true ends the run
+        objective: as for Plan.smooth
+        worst_measure: as for Plan.smooth
+        worst_rise: as for Plan.smooth
+        min_volume_fraction: as for Plan.smooth
+        area_weight: as for Plan.smooth
+        curve_quality: as for Plan.smooth
+        surface_tolerance: as for Plan.smooth
+        max_displacement: as for Plan.smooth
+        box: as for Plan.smooth
+        method: as for Plan.smooth
+        direction: as for Plan.smooth
+        untangle: as for Plan.smooth
+        max_sweeps: as for Plan.smooth
+        tolerance: as for Plan.smooth
+        time_limit: as for Plan.smooth
+        progress: as for Plan.smooth
     """
     is_plain = not isinstance(min_volume, Mapping) and np.ndim(min_volume) == 0
     choices = PlanChoices(

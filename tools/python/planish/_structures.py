@@ -1,4 +1,4 @@
-"""The structures of planish.h that callers do not see, field by field."""
+"""Structures of planish.h for this package, field by field."""
 
 from __future__ import annotations
 
@@ -115,7 +115,7 @@ class CellArray(Structure):
 
 @fields
 class Progress(Structure):
-    """How far smoothing is: planish_progress of planish.h, field by field."""
+    """State of a run: planish_progress of planish.h, field by field. Times are in seconds."""
 
     sweep: Int
     colour: Int

@@ -1,4 +1,4 @@
-"""Surfaces in space: triangles and quadrilaterals that lie in no plane, smoothed and measured on their shape."""
+"""Surfaces in space: triangles and quadrilaterals that lie in no common plane, smoothed on their own shape."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _OF_RUN = {"objective", "worst_measure", "worst_rise", "surface_tolerance", "max
 
 
 def _refuse_others(choices: Any, known: set[str]) -> None:
-    """Refuse options that mean nothing on a surface."""
+    """Raise ValueError if an option is given that has no meaning on a surface in space."""
     usual = type(choices)()
     for name, value in choices._asdict().items():
         is_given = value is not getattr(usual, name) and (np.ndim(value) > 0 or value != getattr(usual, name))
@@ -36,7 +36,7 @@ def _refuse_others(choices: Any, known: set[str]) -> None:
 
 
 def _check(source: Source, choices: PlanChoices, run: RunChoices, has_quads: bool) -> None:
-    """Refuse what is not for surfaces."""
+    """Raise ValueError for options and values that are not for surfaces in space."""
     is_file = isinstance(source.points, Mesh)
     _refuse_others(choices, _OF_PLAN | (_OF_FILES if is_file else set()))
     _refuse_others(run, _OF_RUN)
@@ -50,7 +50,7 @@ def _check(source: Source, choices: PlanChoices, run: RunChoices, has_quads: boo
 
 
 class SpaceSurface:
-    """A surface in space, with the shape that it has."""
+    """A surface in space, and its shape."""
 
     def __init__(self, view: View, shape: Shape) -> None:
         """Take the view of the surface, and its shape."""
@@ -59,7 +59,7 @@ class SpaceSurface:
 
     @classmethod
     def of(cls, source: Source, choices: PlanChoices) -> Optional[SpaceSurface]:
-        """Return the surface that a mesh is, or None."""
+        """Return the surface in space of a mesh; None: the mesh is another one."""
         _, _, groups = choices.slides()
         view = surface_in_space(source, Holding(choices.fix, choices.regions, True, groups), choices.threads)
         if view is None:
@@ -68,7 +68,7 @@ class SpaceSurface:
         return cls(view, shape)
 
     def _find_slides(self, choices: PlanChoices) -> None:
-        """Find which nodes of a file's surface slide; of arrays all do that nothing fixes."""
+        """Find the nodes of a file's surface that slide. On a surface of arrays all nodes slide that nothing fixes."""
         is_sliding, is_curved, groups = choices.slides()
         surface = self.view.surface()
         is_everywhere = choices.slide is None or is_curved or not is_sliding or bool(groups)

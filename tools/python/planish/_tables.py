@@ -9,7 +9,7 @@ Rows = Iterable[tuple[str, Union[str, int, float]]]
 
 
 def show(value: Union[str, int, float]) -> str:
-    """Return a value as a table has it."""
+    """Return the text of a value in a table."""
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 

@@ -1,4 +1,4 @@
-"""Targets: shapes that elements are to become like, and sizes that they are to have."""
+"""Targets: wanted shapes and sizes of elements."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ._view import View
 
 
 def take_places(view: View, points: Any, what: str) -> None:
-    """Let reference of the view's mesh be points, or those of a mesh; what: the name of the argument."""
+    """Set reference of the view's mesh to points, or to those of a mesh. what: the argument, for messages."""
     points = view.places_of(points)
     if np.shape(points)[:1] != (view.n,):
         raise ValueError(f"{what} must have a row for each of {view.n} points, not the shape {np.shape(points)}")
@@ -22,13 +22,13 @@ def take_places(view: View, points: Any, what: str) -> None:
 
 
 def take_like(view: View, points: Any) -> None:
-    """Let the elements have the shapes of points, or of a mesh, as their targets."""
+    """Make the shapes that elements have at points, or in a mesh, their targets."""
     view.prepare_targets()
     take_places(view, points, "like")
 
 
 def take_size(view: View, size: Any) -> None:
-    """Let the elements have these sizes [n] or metrics [n, dim, dim], given at the points."""
+    """Make sizes [n] or symmetric metrics [n, dim, dim] at the points the targets of the elements."""
     refuse_masked(size, "size")
     values, dim = np.ascontiguousarray(size, dtype=float), view.dim
     view.prepare_targets()
@@ -46,7 +46,7 @@ def take_size(view: View, size: Any) -> None:
 
 
 def sizes_of(view: View) -> NDArray[np.float64]:
-    """Return the sizes [n] that a mesh has."""
+    """Return the size of a mesh at each node [n]."""
     size = np.zeros(view.n)
     call(library.planish_find_sizes, byref(view.mesh), threads_to_use(view.threads), pointer(size))
     return size

@@ -1,4 +1,4 @@
-"""Arrays of measures of single elements, as the library fills them."""
+"""Arrays of measures of single elements for the library to fill."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ._view import View
 
 
 def room(view: View, is_wanted: bool) -> Optional[CellValues]:
-    """Return arrays to be filled, None: they are not wanted."""
+    """Return arrays [m] for the library to fill; None: they are not wanted."""
     if not is_wanted:
         return None
     m = view.mesh.n_elements
@@ -31,5 +31,5 @@ def structure(arrays: Optional[CellValues]) -> Any:
 
 
 def finished(arrays: Optional[CellValues]) -> Optional[CellValues]:
-    """Return the arrays as callers see them."""
+    """Return the filled arrays for callers, with is_curved as a mask."""
     return None if arrays is None else arrays._replace(is_curved=arrays.is_curved.astype(bool))

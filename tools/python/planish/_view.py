@@ -1,4 +1,4 @@
-"""The mesh as the library sees it: a planish_mesh, and the arrays that it points to."""
+"""Views: a planish_mesh, and the arrays that it points to."""
 
 from __future__ import annotations
 
@@ -50,12 +50,12 @@ class View:
     # ---- arrays of the structure --------------------------------------------------------------------
 
     def give(self, field: str, array: Optional[Array]) -> None:
-        """Let a field of mesh point to an array, which the view keeps."""
+        """Point a field of mesh to an array, which the view keeps alive."""
         self._kept[field] = array
         setattr(self.mesh, field, address(array))
 
     def give_elements(self, as_cells: bool = False) -> None:
-        """Give the elements: simplices of one type as they are, unless as_cells."""
+        """Set the elements of mesh: an array of simplices of one type, or a planish_cells of others or if as_cells."""
         simple = None if as_cells else self.elements.simple
         is_wide = simple is not None and simple.dtype == np.int64
         self.give("elements64", simple if is_wide else None)
@@ -67,7 +67,7 @@ class View:
             self.mesh.cells = ctypes.addressof(self._kept["cells"][1])
 
     def own_elements(self) -> None:
-        """Make the elements a copy that nobody changes; the library has its own of 64 bits."""
+        """Copy elements of 32 bits, so that callers cannot change them. The library copies those of 64 bits."""
         if self._kept.get("elements") is not None:
             self.give("elements", self._kept["elements"].copy())
 
@@ -87,7 +87,7 @@ class View:
     # ---- what differs for files -----------------------------------------------------------------------
 
     def surface(self) -> Surface:
-        """Return what is known of the surface."""
+        """Return the planish_surface: regions, tagged facets and edges."""
         found = Surface(region=address(self.region))
         facets, edges = self.elements.tagged("facets"), self.elements.tagged("edges")
         if self.dim > self.elements.dim:
@@ -102,18 +102,18 @@ class View:
         return found
 
     def rounding(self, wanted: Optional[float]) -> float:
-        """Return how far off the middle of a straight edge its mid may be; None: what floats leave, as in files."""
+        """Return how far a straight edge's mid may be off the middle. wanted None: what floats leave, as in files."""
         if wanted is not None or not self.points.is_float or not self.n:
             return wanted or 0.0
         at = self.points.array
         return max(1e-6 * float(np.linalg.norm(np.ptp(at, axis=0))), 2.0**-22 * float(np.abs(at).max()))
 
     def set_storage(self, options: Options, taken: Points) -> None:
-        """Say in options what coordinates are stored as in the end."""
+        """Set in options the type in which coordinates are stored in the end."""
         options.precision = _FLOATS if taken.is_float else _DOUBLES
 
     def box(self, numbers: Array) -> tuple[Array, Array]:
-        """Return the lower and upper corner [dim] of a box that is given by all its numbers."""
+        """Return the lower and upper corner [dim] of a box of 2 dim numbers."""
         if numbers.size != 2 * self.dim:
             raise ValueError(f"box has {numbers.size} numbers, but a mesh of {self.dim} dimensions needs {2 * self.dim}")
         return numbers[:self.dim], numbers[self.dim:]
@@ -152,15 +152,15 @@ class View:
         return False
 
     def hold_for_onto(self, ignores_marks: bool) -> None:
-        """Leave to the fit what else is held for being on lines, facets and interfaces."""
+        """Release the nodes that only lines, facets and interfaces hold: the fit decides on them."""
 
     def hold_on_surface(self, holds_curves: bool) -> None:
-        """Fix nodes of a surface in space besides."""
+        """Fix further nodes of a surface in space."""
 
     # ---- what follows from the mesh --------------------------------------------------------------------
 
     def slides_by(self, surface: Surface) -> tuple[SlideInfo, NDArray[np.uint8], NDArray[np.float64]]:
-        """Return which nodes slide with these constraints: numbers, constraint, direction."""
+        """Return counts, constraint [n] and direction [n, dim] of the nodes that slide with the present constraints."""
         info, constraint = SlideInfo(), np.zeros(self.n, dtype=np.uint8)
         direction = np.zeros((self.n, self.dim))
         call(library.planish_find_slides, byref(self.mesh), byref(surface), threads_to_use(self.threads),
@@ -179,7 +179,7 @@ class View:
         return self.elements.has_types() or bool(self.mesh.reference)
 
     def move_to(self, places: Any, what: str) -> None:
-        """Let the structure have the nodes at other places; what: the name of the argument."""
+        """Set the coordinates of mesh to other places. what: the argument, for messages."""
         points = self.places_of(places)
         if np.shape(points)[:1] != (self.n,):
             raise ValueError(f"{what} must have a row for each of {self.n} points, not the shape {np.shape(points)}")

@@ -18,7 +18,7 @@ from ._view import View
 
 
 class Source:
-    """A mesh as callers give it: points and cells, or a mesh of another package and None."""
+    """A mesh as callers give it: points and cells, or a whole mesh and None."""
 
     def __init__(self, points: Any, cells: Any) -> None:
         """Take a mesh."""
@@ -27,7 +27,7 @@ class Source:
 
     @functools.cached_property
     def elements(self) -> Elements:
-        """Elements of the mesh, which is no file's."""
+        """Elements of a mesh that is not of a file."""
         return elements_of(self.points, self.cells)
 
     @property
@@ -37,7 +37,7 @@ class Source:
 
 
 class Holding(NamedTuple):
-    """Which nodes are held for what they lie on."""
+    """Options that hold nodes."""
 
     fix: Any = None
     regions: Any = BY_RULE
@@ -88,7 +88,7 @@ def view_of(source: Source, holding: Holding, threads: int) -> View:
 
 
 def surface_in_space(source: Source, holding: Holding, threads: int) -> Optional[View]:
-    """Return the view of flat elements in space, in no plane of constant z, None: the mesh is none of these."""
+    """Return the view of a surface in space: flat elements in no common plane. None: the mesh is another one."""
     points, cells = source.array, source.cells
     if isinstance(source.points, Mesh):
         return _of_file(source.points, holding, threads) if source.points.is_in_space else None
@@ -106,7 +106,7 @@ def surface_in_space(source: Source, holding: Holding, threads: int) -> Optional
 
 
 def view_of_shape(source: Source, regions: Any, threads: int) -> View:
-    """Return the view that a shape is made of: of solids, or of faces in space."""
+    """Return the view of solids, or of a surface in space, to make a shape of."""
     if isinstance(source.points, Mesh):
         mesh = source.points
         return view_in_space(mesh, threads) if mesh.dim == 2 else _of_file(mesh, Holding(None, regions, True), threads)

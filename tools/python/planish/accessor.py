@@ -1,7 +1,7 @@
 """Accessor of PyVista: mesh.planish.smooth(), mesh.planish.quality().
 
-PyVista 0.48 and later finds it by itself where the package is installed (pyvista_plugin.py), and import planish
-registers it if PyVista was imported before. Elsewhere register it by register(pyvista), or call planish.smooth(mesh).
+PyVista 0.48 and later finds the accessor of an installed package by itself (pyvista_plugin.py). import planish
+registers it if PyVista was imported before. Otherwise call register(pyvista), or planish.smooth(mesh).
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Smooth and measure the mesh of a Gmsh model where Gmsh has it: in memory, without a file.
+"""Smooth and measure the mesh of a Gmsh model in Gmsh's memory, without a file.
 
     import gmsh
     import planish.gmsh
@@ -60,7 +60,7 @@ _TYPES: dict[int, tuple[int, Optional[list[int]]]] = {
 
 
 class _Block(NamedTuple):
-    """Elements of one type on one entity, as meshio has blocks."""
+    """Elements of one type on one entity, with the attributes of a block of meshio's."""
 
     type: Any  # planish's number; a text: a type that planish does not know, whose nodes stay
     data: Array  # [k, nodes] indices
@@ -68,10 +68,10 @@ class _Block(NamedTuple):
 
 
 class _Mesh:
-    """The mesh of the current model, as meshio has meshes.
+    """The mesh of the current model, with the attributes of a mesh of meshio's.
 
-    points [n, 3], and tags [n] the numbers of the nodes, are in the order of gmsh.model.mesh.getNodes().
-    entities are (dim, tag, first, last) of the nodes [first, last) on each.
+    points [n, 3] and tags [n], Gmsh's numbers of the nodes, are in the order of gmsh.model.mesh.getNodes(). An item of
+    entities is (dim, tag, first, last): the nodes [first, last) are on this entity.
     """
 
     def __init__(self, dim: Optional[int]) -> None:
@@ -106,7 +106,7 @@ class _Mesh:
             self._table[self._sorted] = self._order
 
     def index(self, tags: Any) -> Array:
-        """Indices of nodes by Gmsh's numbers."""
+        """Return the indices of nodes with these numbers of Gmsh's."""
         tags = np.asarray(tags).astype(np.int64, copy=False)
         if self._table is not None and (not tags.size or 0 <= tags.min() and tags.max() < len(self._table)):
             found: Array = self._table[tags]
@@ -118,14 +118,14 @@ class _Mesh:
         return found
 
     def _blocks(self, dim: int, tag: int) -> Iterable[_Block]:
-        """Elements of an entity."""
+        """Yield the elements of an entity, type by type."""
         for number, tags, nodes in zip(*gmsh.model.mesh.getElements(dim, tag)):
             kind, order = _type_of(int(number))
             rows = self.index(nodes).reshape(len(tags), -1)
             yield _Block(kind, rows if order is None else rows[:, order], np.asarray(tags))
 
     def _choose(self, dim: Optional[int]) -> None:
-        """Check that the elements of highest dimension are those of dim."""
+        """Set the dimension of the elements; raise ValueError if dim is not the highest that the mesh has."""
         highest = max((dimension for dimension, tag, *_ in self.entities
                        if len(gmsh.model.mesh.getElementTypes(dimension, tag))), default=0)
         if dim not in (None, 2, 3):
@@ -137,7 +137,7 @@ class _Mesh:
         self.dim = highest
 
     def given(self) -> Any:
-        """The mesh for planish: itself, or in a plane across x or y with the other two coordinates."""
+        """Return the mesh for planish: itself, or in a plane of constant x or y that of the other two coordinates."""
         extent = np.ptp(self.points, axis=0)
         across = [axis for axis in (2, 0, 1) if extent[axis] <= _NOISE_OF_PLANES * extent.max()]
         if self.dim == 2 and across and across[0] != 2:
@@ -145,7 +145,7 @@ class _Mesh:
         return self
 
     def periodic(self) -> Array:
-        """Indices of the nodes that have partners."""
+        """Return the indices of the nodes on periodic entities and of their partners."""
         found = [np.zeros(0, dtype=np.int64)]
         for dim, tag in gmsh.model.getEntities():
             if dim < 3:
@@ -156,7 +156,7 @@ class _Mesh:
 
 
 class _InPlane:
-    """A mesh in a plane across x or y: points [n, 2]."""
+    """A mesh in a plane of constant x or y: points [n, 2]."""
 
     def __init__(self, mesh: _Mesh, columns: list[int]) -> None:
         self.points, self.columns = mesh.points[:, columns].copy(), columns
@@ -164,13 +164,13 @@ class _InPlane:
 
 
 def _region(dim: int, tag: int) -> Optional[int]:
-    """The entity that a part of a partitioned entity is of; None of an interface between parts."""
+    """Return the entity that a partitioned entity is a part of; None for an interface between parts."""
     parent_dim, parent = gmsh.model.getParent(dim, tag)
     return tag if parent_dim < 0 else parent if parent_dim == dim else None
 
 
 def _type_of(number: int) -> tuple[Any, Optional[list[int]]]:
-    """Find planish's type by Gmsh's number, and the order of nodes."""
+    """Return planish's type for a number of Gmsh's, and the order of nodes (None: the same order)."""
     if number in _TYPES:
         return _TYPES[number]
     name, _, order, *_ = gmsh.model.mesh.getElementProperties(number)
@@ -186,7 +186,7 @@ def _type_of(number: int) -> tuple[Any, Optional[list[int]]]:
 def _entities_of(choice: Any) -> list[tuple[int, int]]:
     """Return the entities that a choice means.
 
-    It is (dim, tag), or as for the program the name or number of a physical group, the number of an entity, or
+    A choice is (dim, tag), or a tag of the program: the name or number of a physical group, the number of an entity, or
     DIM:NUMBER.
     """
     entities, groups = gmsh.model.getEntities(), gmsh.model.getPhysicalGroups()
@@ -205,13 +205,13 @@ def _entities_of(choice: Any) -> list[tuple[int, int]]:
 
 
 def _is_choice(choice: Any) -> bool:
-    """Whether it is a name or number in a text, or (dim, tag)."""
+    """Whether choice is a tag in a text, or (dim, tag)."""
     return isinstance(choice, str) or (isinstance(choice, tuple) and len(choice) == 2
                                        and all(isinstance(number, (int, np.integer)) for number in choice))
 
 
 def _chosen_nodes(mesh: _Mesh, chosen: Any, what: str) -> Array:
-    """Indices of nodes by numbers of Gmsh's, or a mask."""
+    """Return the indices of nodes that Gmsh's numbers, or a mask, choose. what: the argument, for messages."""
     nodes = np.asarray(chosen).ravel()
     if nodes.dtype == bool:
         if nodes.shape != mesh.tags.shape:
@@ -223,7 +223,7 @@ def _chosen_nodes(mesh: _Mesh, chosen: Any, what: str) -> Array:
 
 
 def _nodes_to_fix(mesh: _Mesh, fix: Any) -> Array:
-    """Indices of the nodes that fix means: those of groups and entities, numbers of Gmsh's, or a mask."""
+    """Return the indices of the nodes that fix chooses by groups, entities, Gmsh's numbers, or a mask."""
     choices = [fix] if _is_choice(fix) else fix
     if isinstance(choices, (list, tuple, set, frozenset)) and all(map(_is_choice, choices)):
         found = [gmsh.model.mesh.getNodes(dim, tag, True, False)[0] for choice in choices
@@ -233,10 +233,10 @@ def _nodes_to_fix(mesh: _Mesh, fix: Any) -> Array:
 
 
 def _translated(mesh: _Mesh, given: Any, options: dict[str, Any]) -> dict[str, Any]:
-    """Options as planish takes them for the mesh given.
+    """Return the options of planish.smooth for the mesh given.
 
-    They have indices of nodes where users give Gmsh's names and numbers, all nodes that stay, and coordinates in the
-    plane.
+    Names and numbers of Gmsh's become indices of nodes. Periodic nodes are added to fix. Coordinates become those in
+    the plane.
     """
     options = dict(options)
     held = mesh.periodic()
@@ -256,7 +256,7 @@ def _translated(mesh: _Mesh, given: Any, options: dict[str, Any]) -> dict[str, A
 
 
 def _parameters(dim: int, tag: int, xyz: Array) -> Optional[Array]:
-    """Parameters [k, dim] of points on a curve or surface; None where Gmsh knows none."""
+    """Return the parameters [k, dim] of points on a curve or surface; None if Gmsh has none."""
     if dim not in (1, 2):
         return None
     held = gmsh.model.mesh.getNodes(dim, tag, False, True)[2]
@@ -268,10 +268,10 @@ def _parameters(dim: int, tag: int, xyz: Array) -> Optional[Array]:
 
 
 def _node_setter() -> Any:
-    """Return the function of Gmsh's C interface that sets a node: gmsh.model.mesh.setNode takes ten times as long.
+    """Return the function of Gmsh's C interface that sets a node; gmsh.model.mesh.setNode takes ten times as long.
 
-    Its arguments are the number of the node, the address of the coordinates, 3, the address of the parameters, how
-    many there are, and the address of an error.
+    Arguments: number of the node, address of the coordinates, 3, address of the parameters, their number, address of an
+    error.
     """
     prototype = ctypes.CFUNCTYPE(None, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p,
                                  ctypes.c_size_t, ctypes.c_void_p)
@@ -279,7 +279,7 @@ def _node_setter() -> Any:
 
 
 def _write_nodes(mesh: _Mesh, before: Array) -> None:
-    """Give Gmsh the nodes that moved, with their parameters on curves and surfaces."""
+    """Set the moved nodes in Gmsh, with their parameters on curves and surfaces."""
     has_moved, set_node, error = (mesh.points != before).any(axis=1), _node_setter(), ctypes.c_int()
     failed = ctypes.addressof(error)
     for dim, tag, first, last in mesh.entities:
@@ -296,7 +296,7 @@ def _write_nodes(mesh: _Mesh, before: Array) -> None:
 
 
 def _addresses(rows: Optional[Array]) -> Iterable[Optional[int]]:
-    """Addresses of the rows of an array; None for ever where there is none."""
+    """Return an iterator over the addresses of the rows of an array; without an array over None, without end."""
     if rows is None:
         return itertools.repeat(None)
     return range(rows.ctypes.data, rows.ctypes.data + rows.nbytes, rows.strides[0])
@@ -306,7 +306,7 @@ def _addresses(rows: Optional[Array]) -> Iterable[Optional[int]]:
 
 
 class _Current:
-    """A model that is the current one meanwhile; None: the one that is."""
+    """Context in which a model is Gmsh's current one; None: the present one."""
 
     def __init__(self, name: Optional[str]) -> None:
         self.name, self.before = name, gmsh.model.getCurrent()
@@ -326,13 +326,13 @@ def smooth(model: Optional[str] = None, dim: Optional[int] = None, **options: An
     Args:
         model: name of the model; None: the current one
         dim: dimension of the elements, 2 or 3; None: the highest that the mesh has
-        options: those of planish.smooth, but for these. fix takes names and numbers of physical groups, numbers of
-            entities and DIM:NUMBER as the program does, and (dim, tag), one or a list; or Gmsh's numbers of nodes,
-            or a mask. around takes Gmsh's numbers of nodes. Arrays of nodes are in the order of
+        options: those of planish.smooth, with two differences. fix takes one or a list of: names and numbers of
+            physical groups, numbers of entities, DIM:NUMBER, (dim, tag). Or it takes Gmsh's numbers of nodes, or a
+            mask. around takes Gmsh's numbers of nodes. Arrays of nodes are in the order of
             gmsh.model.mesh.getNodes()
 
-    Return what planish.smooth returns. Periodic nodes stay. Nodes that moved on curves and surfaces get new
-    parameters there. Nothing changes if planish refuses the mesh or an option.
+    Return a Result, as planish.smooth does. Periodic nodes stay. Nodes that moved on curves and surfaces get new
+    parameters there. If planish refuses the mesh or an option, smooth raises an error and nothing changes.
     """
     with _Current(model):
         mesh = _Mesh(dim)
@@ -350,9 +350,9 @@ def quality(model: Optional[str] = None, dim: Optional[int] = None, **options: A
     Args:
         model: as for smooth
         dim: as for smooth
-        options: those of planish.quality, but fix as for smooth
+        options: those of planish.quality, with fix as for smooth
 
-    Return what planish.quality returns. With per_element, elements.number has Gmsh's numbers of the elements.
+    Return a Quality, as planish.quality does. With per_element, elements.number has Gmsh's numbers of the elements.
     """
     with _Current(model):
         mesh = _Mesh(dim)

@@ -59,7 +59,7 @@ _VERTEX, _POLYVERTEX, _LINE, _POLYLINE, _TRIANGLE, _STRIP, _POLYGON, _QUAD = 1, 
 
 
 class _Mesh(NamedTuple):
-    """A mesh as pyvista has meshes."""
+    """A mesh with the attributes of a mesh of PyVista's."""
 
     points: Array  # [n, 3]
     cells: Array  # of each cell the number of its points, and these
@@ -68,7 +68,7 @@ class _Mesh(NamedTuple):
 
 
 def _values(array: vtkDataArray) -> Array:
-    """Values of an array, those that VTK computes on demand, too."""
+    """Return the values of an array, also of one that VTK computes on demand."""
     try:
         return vtk_to_numpy(array)
     except (AttributeError, TypeError, ValueError):
@@ -78,14 +78,14 @@ def _values(array: vtkDataArray) -> Array:
 
 
 def _lists(cells: Any) -> tuple[Array, Array]:
-    """Lists of a vtkCellArray as _Mesh.cells has them, and numbers of points."""
+    """Return the lists of a vtkCellArray in the order of _Mesh.cells, and the number of points of each cell."""
     nodes, offsets = _values(cells.GetConnectivityArray()), _values(cells.GetOffsetsArray())
     counts = np.diff(offsets)
     return np.insert(nodes, offsets[:-1], counts).astype(np.int64), counts
 
 
 def _cells_of_grid(grid: vtkUnstructuredGrid) -> tuple[Array, Array]:
-    """Cells and types; polygons and polylines of so many points that they are elements are these."""
+    """Return cells and types. A polygon of three points becomes a triangle, and so on for other general types."""
     lists, counts = _lists(grid.GetCells())
     types = _values(grid.GetCellTypesArray()).copy()
     for general, count, kind in ((_POLYGON, 3, _TRIANGLE), (_POLYGON, 4, _QUAD), (_POLYLINE, 2, _LINE),
@@ -95,7 +95,7 @@ def _cells_of_grid(grid: vtkUnstructuredGrid) -> tuple[Array, Array]:
 
 
 def _cells_of_surface(surface: vtkPolyData) -> tuple[Array, Array]:
-    """Cells and types; cell data have points first, then lines, polygons and strips."""
+    """Return cells and types. Cell data have points first, then lines, polygons and strips."""
     parts = []
     for cells, usual, other in ((surface.GetVerts(), {1: _VERTEX}, _POLYVERTEX),
                                 (surface.GetLines(), {2: _LINE}, _POLYLINE),
@@ -110,14 +110,14 @@ def _cells_of_surface(surface: vtkPolyData) -> tuple[Array, Array]:
 
 
 def _cell_data(data_set: vtkPointSet) -> dict[str, Array]:
-    """Arrays of numbers of the cells by their names."""
+    """Return the arrays of numbers of the cells, by name."""
     data = data_set.GetCellData()
     arrays = [data.GetArray(i) for i in range(data.GetNumberOfArrays())]
     return {array.GetName(): _values(array) for array in arrays if array is not None and array.GetName()}
 
 
 def _copy_points(points: vtkPoints) -> vtkPoints:
-    """A copy in float or double, which planish may change."""
+    """Return a copy in float or double, which planish may change."""
     copy = vtkPoints()
     copy.SetDataType(VTK_FLOAT if points.GetDataType() == VTK_FLOAT else VTK_DOUBLE)
     copy.DeepCopy(points)
@@ -202,7 +202,7 @@ class Smooth(VTKPythonAlgorithmBase):
 
     @smproperty.doublevector(name="TimeLimit", default_values=0.0, panel_visibility="advanced")
     def SetTimeLimit(self, seconds: float) -> None:
-        """Set the time after which smoothing ends; 0: none."""
+        """Set the time in seconds after which smoothing ends; 0: none."""
         self._choose("time_limit", seconds)
 
     @smproperty.intvector(name="Untangle", default_values=1, panel_visibility="advanced")
@@ -213,12 +213,12 @@ class Smooth(VTKPythonAlgorithmBase):
 
     @smproperty.doublevector(name="SurfaceTolerance", default_values=0.05, panel_visibility="advanced")
     def SetSurfaceTolerance(self, edges: float) -> None:
-        """Set how far a curved surface may be off its first shape, in mean edges."""
+        """Set the largest distance of a curved surface from its original shape, in mean edges."""
         self._choose("surface_tolerance", f"{edges}h")
 
     @smproperty.doublevector(name="CreaseAngle", default_values=0.0, panel_visibility="advanced")
     def SetCreaseAngle(self, degrees: float) -> None:
-        """Set the angle that facets turn by at an edge of the surface; 0: edges are found."""
+        """Set the angle in degrees by which facets turn at an edge of the surface; 0: planish finds the edges."""
         self._choose("crease_angle", degrees)
 
     @smproperty.intvector(name="HoldRegions", default_values=1)
@@ -231,14 +231,14 @@ class Smooth(VTKPythonAlgorithmBase):
     @smproperty.stringvector(name="RegionArray", number_of_elements=1, default_values="(none)")
     @smdomain.xml(_choice_of_arrays("cell"))
     def SetRegionArray(self, name: Optional[str]) -> None:
-        """Set the array of cells that tells regions; None: arrays that look like regions do."""
+        """Set the array of cells whose values are regions; None: arrays that look like regions."""
         self._region_array = None if name in (None, "", "(none)", "None") else name
         self.Modified()
 
     @smproperty.stringvector(name="FixedArray", number_of_elements=1, default_values="(none)")
     @smdomain.xml(_choice_of_arrays("point"))
     def SetFixedArray(self, name: Optional[str]) -> None:
-        """Set the array of points that is not 0 where a point stays."""
+        """Set the array of points whose value is not 0 for points that stay."""
         self._fixed_array = None if name in (None, "", "(none)", "None") else name
         self.Modified()
 
@@ -258,7 +258,7 @@ class Smooth(VTKPythonAlgorithmBase):
         return 1
 
     def RequestData(self, _request: Any, inputs: Any, outputs: Any) -> int:
-        """Smooth the input; report what planish refuses as an error of VTK's."""
+        """Smooth the input. Report an error of planish as one of VTK."""
         given, made = vtkPointSet.GetData(inputs[0], 0), vtkPointSet.GetData(outputs, 0)
         made.ShallowCopy(given)
         if given.GetNumberOfCells() == 0:
@@ -272,7 +272,7 @@ class Smooth(VTKPythonAlgorithmBase):
         return 1
 
     def _smooth(self, given: vtkPointSet, made: vtkPointSet) -> None:
-        """Give the output the points that planish moved, and arrays."""
+        """Give the output the moved points, and arrays of displacement, fixed points and quality."""
         points = _copy_points(given.GetPoints())
         lists, types = _cells_of_surface(given) if given.IsA("vtkPolyData") else _cells_of_grid(given)
         mesh = _Mesh(vtk_to_numpy(points.GetData()), lists, types, _cell_data(given))
@@ -289,7 +289,7 @@ class Smooth(VTKPythonAlgorithmBase):
         _add_quality(made.GetCellData(), measured, len(types))
 
     def _is_meant(self, name: str) -> bool:
-        """Whether an option says anything: ParaView sets all, those that the mesh has no use for, too."""
+        """Whether an option differs from its default. ParaView sets all options, also useless ones."""
         return self._options[name] != _DEFAULTS.get(name)
 
     def _regions(self) -> dict[str, Any]:
@@ -298,7 +298,7 @@ class Smooth(VTKPythonAlgorithmBase):
         return {"regions": self._region_array} if self._region_array else {}
 
     def _fix(self, given: vtkPointSet) -> Optional[Array]:
-        """Mask of the points that the chosen array holds."""
+        """Return a mask [n] of the points that the chosen array holds; None: no array is chosen."""
         if self._fixed_array is None:
             return None
         array = given.GetPointData().GetArray(self._fixed_array)
@@ -307,7 +307,7 @@ class Smooth(VTKPythonAlgorithmBase):
         return _values(array) != 0
 
     def _report(self, progress: planish.Progress) -> bool:
-        """Tell VTK how far smoothing is; return whether it is to end. Most meshes need some ten sweeps."""
+        """Tell VTK the progress, as if ten sweeps were usual. Return whether VTK asks smoothing to end."""
         done = progress.sweep + progress.colour / max(progress.n_colours, 1)
         self.UpdateProgress(1 - 0.85**done)
         return bool(self.GetAbortExecute())
@@ -326,7 +326,7 @@ def _is_surface_in_space(mesh: _Mesh) -> bool:
 
 
 def _fixed_points(mesh: _Mesh, held: dict[str, Any], options: dict[str, Any]) -> Array:
-    """Mask [n] of the points that stay, whatever happens."""
+    """Return a mask [n] of the points that cannot move."""
     crease_angle = {"crease_angle": options.get("crease_angle", 0)}
     if _is_surface_in_space(mesh):
         with planish.Shape(mesh, **crease_angle) as shape:
@@ -342,7 +342,7 @@ def _fixed_points(mesh: _Mesh, held: dict[str, Any], options: dict[str, Any]) ->
 
 
 def _add_quality(data: Any, elements: planish.CellValues, n: int) -> None:
-    """Add measures; cells that have none get NaN, and the state 0."""
+    """Add arrays of measures. Cells without measures get NaN, and the state 0."""
     for name, values in (("aspect_ratio", elements.aspect_ratio), ("scaled_jacobian", elements.scaled_jacobian)):
         measured = np.full(n, np.nan)
         measured[elements.number] = np.where(values == 0, np.nan, values) if name == "aspect_ratio" else values
