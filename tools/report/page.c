@@ -385,8 +385,6 @@ static void put_viewer(pl_markup *page, const pl_picture *picture) {
     pl_markup_put(page, "\n</script>\n<script>\n");
     put_asset(page, &pl_asset_controls_js);
     pl_markup_put(page, "\n</script>\n<script>\n");
-    put_asset(page, &pl_asset_viewer_data_js);
-    pl_markup_put(page, "</script>\n<script>\n");
     put_asset(page, &pl_asset_viewer_js);
     pl_markup_put(page, "</script>\n");
 }

@@ -1,4 +1,4 @@
-/* picture: what a page draws of a mesh, as data for viewer.js.
+/* picture: what a page draws of a mesh, as data for the viewer (viewer/).
  *
  * Places are taken relative to the box of the mesh: those of the surface in 16 bits for each axis,
  * finer than any screen, those of bad elements, which may be tiny, as floats. All numbers are

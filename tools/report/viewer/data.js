@@ -1,11 +1,9 @@
-/* viewer_data: the picture of the mesh (picture.c), unpacked for viewer.js: places, elements, and the
- * measures that colour them. */
+/* data: the picture of the mesh (picture.c), unpacked: places, elements, and the measures that colour
+ * them. */
 const planishData = (function () {
 'use strict';
 
 const source = document.getElementById('picture-data');
-if (!source)
-    return null;
 
 /* From good to bad, told apart by lightness, too. */
 const COLOURS = ['#e6eef6', '#bcd5ea', '#86b6da', '#fde6a9', '#fdbb63', '#f5853f', '#dd3d2d', '#8f0d1d'];
@@ -110,6 +108,8 @@ for (const state of picture.states)
     states.push(stateOf(state, states[0]));
 return {
     picture: picture, dim: dim, extent: extent, size: size, states: states,
+    isFlat: dim === 2 || picture.flat === true, /* all elements are drawn, in colours */
+    isComplete: picture.stride === 1,           /* all elements inside are known */
     COLOURS: COLOURS, INVERTED: INVERTED, NOTHING: NOTHING,
     measures: picture.measures.map(measureOf),
     triangles: numbersOf(picture.triangles, picture.index_bits),
