@@ -636,9 +636,9 @@ typedef struct planish_progress {
  * and valid if it was valid. A sweep that is cut short (by this function or the time limit) still
  * gets its last call, whose result does not matter. The caller's coordinates change only when
  * planish_smooth returns; planish_progress_get_coordinates has those at the end of a sweep. The
- * function must not use the plan, except for planish_measure and, with options whose progress is
- * NULL, planish_check_volumes. With bind, the calling thread is bound meanwhile, and threads that
- * the function starts inherit that.
+ * function must not use the plan, except for planish_measure, planish_measure_elements and, with
+ * options whose progress is NULL, planish_check_volumes. With bind, the calling thread is bound
+ * meanwhile, and threads that the function starts inherit that.
  */
 typedef int planish_progress_fn(const planish_progress *progress, void *user);
 
