@@ -147,12 +147,12 @@ def check_surface(picture, state, mesh):
     assert drawn == collections.Counter(facets(mesh)), "the surface is another one"
 
 
-def check_bad(picture, state, mesh):
+def check_bad(picture, state, mesh, most=4000):
     """The worst elements are drawn, worst first, where they are."""
     ratios = unpack(state["bad_ratios"], "f")
     orientation = math.copysign(1, sum(map(mesh_file.volume, mesh_file.corners(mesh))))
     worst = sorted((-mesh_file.radius_ratio(t) if orientation * mesh_file.volume(t) > 0
-                    else -math.inf for t in mesh_file.corners(mesh)))[:4000]
+                    else -math.inf for t in mesh_file.corners(mesh)))[:most]
     assert len(ratios) == len(worst)
     for drawn, ratio in zip(ratios, worst):
         assert math.isclose(drawn or math.inf, -ratio, rel_tol=1e-4), (drawn, ratio)
@@ -230,4 +230,5 @@ def main():
         check_picture(page, files)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -2,19 +2,21 @@
 const planishContent = (function () {
 'use strict';
 
-const {dim, isFlat, isComplete, measures, COLOURS, INVERTED} = planishData;
+const {picture, dim, isFlat, isComplete, measures, COLOURS, INVERTED} = planishData;
 const {part, themeColour, plural, textOf} = planishPage;
 const {chosen, slider, lowest, highest, limit, countWorse} = planishChosen;
 const {paintFacets} = planishShape, {makeDots, addElements, brushed} = planishElements;
 const {crossing, addSquares, clip} = planishCut, {layers, drawSoon} = planishView;
 
-/** What is shown of the elements of a histogram's bins; drawn: how many of them are. */
-function describeBrush(i, drawn) {
+/** What is shown of the elements of a histogram's bins, which has the states before and after alone; drawn: how
+ *  many of them are. */
+function describeBrush(state, i, drawn) {
     const brush = chosen.brush, measure = measures[brush.measure];
     const to = measure.edges[brush.to], n = brush.counts[i];
-    const text = plural(n, 'element') + ', ' + measure.name + ' ' + measure.edges[brush.from] +
-        measure.unit + (to === null ? ' and more' : ' to ' + to + measure.unit);
-    return isFlat || drawn >= n ? text : text + '; ' + drawn.toLocaleString('en') + ' of them are drawn';
+    const range = measure.name + ' ' + measure.edges[brush.from] + measure.unit +
+        (to === null ? ' and more' : ' to ' + to + measure.unit);
+    const text = plural(n, 'element') + ', ' + range;
+    return state.sweep ? 'elements, ' + range : isFlat || drawn >= n ? text : text + '; ' + drawn.toLocaleString('en') + ' of them are drawn';
 }
 
 /** What a view shows, in words. */
@@ -23,7 +25,8 @@ function describe(state, value, text) {
     if (value === Infinity || drawn < state.inverted) // more than are drawn, whatever the value
         return plural(state.inverted, 'inverted element') +
             (drawn < state.inverted ? ', of which ' + drawn.toLocaleString('en') + ' are drawn' : '');
-    return plural(n, 'element') + ' worse than ' + text +
+    const isCut = state.sweep && n === state.bad.n && n < picture.elements; // others are not known
+    return (isCut ? 'at least ' : '') + plural(n, 'element') + ' worse than ' + text +
         (drawn ? ', ' + drawn.toLocaleString('en') + ' of them inverted' : '');
 }
 
@@ -51,11 +54,11 @@ function updateLayer(layer, i) {
     clip(content);
     if (chosen.cut && isComplete)
         addElements(content, state.inside, crossing(state.inside), false);
-    else if (chosen.cut)
+    else if (chosen.cut && state.cubes)
         addSquares(content, state);
     if (layer.shape.facets)
         paintFacets(layer);
-    layer.caption.textContent = chosen.brush ? describeBrush(i, drawn)
+    layer.caption.textContent = chosen.brush ? describeBrush(state, i, drawn)
         : describe(state, limit(), textOf(limit()));
 }
 

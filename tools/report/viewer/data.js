@@ -59,6 +59,21 @@ function badOf(state) {
     return bad;
 }
 
+/** Elements of a set, the worst first by the codes of their ratios, with these. */
+function worstFirst(set) {
+    const {codes, sizes, n} = set, rank = code => code === 0 ? picture.codes + 1 : code;
+    const order = Uint32Array.from(sizes.keys()).sort((i, j) => rank(codes[j]) - rank(codes[i]) || i - j);
+    const sorted = elements(Uint8Array.from(order, i => sizes[i]), new Float32Array(set.corners.length),
+        new Uint8Array(codes.length));
+    order.forEach((i, k) => {
+        sorted.corners.set(set.corners.subarray(3 * set.first[i], 3 * set.first[i + 1]), 3 * sorted.first[k]);
+        for (let m = 0; m < measures.length; m++)
+            sorted.codes[m * n + k] = codes[m * n + i];
+    });
+    sorted.ratios = Float32Array.from(order, i => measures[0].value[codes[i]]);
+    return sorted;
+}
+
 /** The elements inside a state, or a sample of them. */
 function insideOf(state) {
     const points = placesOf(state.inside), codes = bytesOf(state.inside_codes);
@@ -73,12 +88,14 @@ function insideOf(state) {
 }
 
 function stateOf(state, first) {
+    const inside = state.inside !== undefined ? insideOf(state) : null;
     return {
         name: state.name,
+        sweep: state.sweep, /* of a step between before and after */
         points: state.points ? placesOf(state.points) : first.points,
         codes: state.codes ? bytesOf(state.codes) : null, /* of triangles */
-        bad: badOf(state),
-        inside: state.inside !== undefined ? insideOf(state) : null,
+        bad: state.corners !== undefined ? badOf(state) : worstFirst(inside),
+        inside: inside,
         cubes: state.cubes ? bytesOf(state.cubes) : null,
         inverted: state.inverted
     };
@@ -103,15 +120,16 @@ function measureOf(measure) {
         range: (from, to) => [1 + from * codes, to >= n ? picture.codes : to * codes]}, measure);
 }
 
-const states = [];
+const measures = picture.measures.map(measureOf), states = [];
 for (const state of picture.states)
     states.push(stateOf(state, states[0]));
+const steps = (picture.steps || []).map(step => stateOf(step, states[0]));
 return {
-    picture: picture, dim: dim, extent: extent, size: size, states: states,
+    picture: picture, dim: dim, extent: extent, size: size, states: states, steps: steps,
     isFlat: dim === 2 || picture.flat === true, /* all elements are drawn, in colours */
     isComplete: picture.stride === 1,           /* all elements inside are known */
     COLOURS: COLOURS, INVERTED: INVERTED, NOTHING: NOTHING,
-    measures: picture.measures.map(measureOf),
+    measures: measures,
     triangles: numbersOf(picture.triangles, picture.index_bits),
     sides: picture.sides ? bytesOf(picture.sides) : null, /* bit j: side j is an edge */
     features: picture.features !== undefined ? numbersOf(picture.features, picture.index_bits) : null,

@@ -40,6 +40,7 @@ controls.connectPrint();
 makeLegend();
 applyTheme();
 controls.connectBoxes();
+planishAnimation.connectPlay();
 window.addEventListener('resize', resize);
 window.matchMedia('(prefers-color-scheme: dark)').addEventListener('change', applyTheme);
 })();

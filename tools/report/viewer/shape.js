@@ -9,9 +9,17 @@ const {trianglePlaces, findPatches} = planishSurface;
 const CURVE = '#c2410c', CORNER = '#b91c1c';
 const PATCHES = ['#4477aa', '#66ccee', '#228833', '#ccbb44', '#ee6677', '#aa3377', '#999933', '#777777'];
 
+const attributes = new Map(); /* of points, which many geometries have in common */
+
+function attributeOf(points) {
+    if (!attributes.has(points))
+        attributes.set(points, new THREE.BufferAttribute(points, 3));
+    return attributes.get(points);
+}
+
 function lines(points, pairs, opacity) {
     const geometry = new THREE.BufferGeometry();
-    geometry.setAttribute('position', new THREE.BufferAttribute(points, 3));
+    geometry.setAttribute('position', attributeOf(points));
     geometry.setIndex(new THREE.BufferAttribute(new Uint32Array(pairs), 1));
     return new THREE.LineSegments(geometry,
         new THREE.LineBasicMaterial({transparent: opacity < 1, opacity: opacity}));
@@ -27,7 +35,7 @@ function makeFeatures(state) {
         Object.assign(shadedMaterial(), {transparent: true, depthWrite: false, opacity: 0.5}));
     const curves = lines(state.points, features, 1), dots = new THREE.BufferGeometry();
     curves.material.color.set(CURVE);
-    dots.setAttribute('position', new THREE.BufferAttribute(state.points, 3));
+    dots.setAttribute('position', attributeOf(state.points));
     dots.setIndex(new THREE.BufferAttribute(corners, 1));
     skin.renderOrder = -1;
     group.add(skin, curves, new THREE.Points(dots,
@@ -38,7 +46,7 @@ function makeFeatures(state) {
 /** The surface of solid elements, which can be looked into: its sides behind, and before, these. */
 function makeSkins(points) {
     const geometry = new THREE.BufferGeometry();
-    geometry.setAttribute('position', new THREE.BufferAttribute(points, 3));
+    geometry.setAttribute('position', attributeOf(points));
     geometry.setIndex(new THREE.BufferAttribute(triangles, 1));
     return [THREE.BackSide, THREE.FrontSide].map((side, i) => {
         const mesh = new THREE.Mesh(geometry, new THREE.MeshPhongMaterial({flatShading: true,
@@ -73,6 +81,19 @@ function makeShape(state, edges) {
     return shape;
 }
 
+/** Bring a shape to the points of another state. */
+function movePoints(shape, points) {
+    shape.group.traverse(object => {
+        const geometry = object.geometry;
+        if (geometry && (geometry.index || !object.isMesh)) {
+            geometry.setAttribute('position', attributeOf(points));
+        } else if (geometry) { /* triangles that share no corners */
+            geometry.attributes.position.array.set(trianglePlaces(points));
+            geometry.attributes.position.needsUpdate = true;
+        }
+    });
+}
+
 /** Colour the triangles of a flat mesh: those that are not chosen are pale. */
 function paintFacets(layer) {
     const colours = layer.shape.facets.geometry.attributes.color, array = colours.array;
@@ -89,5 +110,5 @@ function paintFacets(layer) {
     colours.needsUpdate = true;
 }
 
-return {makeShape, paintFacets};
+return {makeShape, movePoints, paintFacets};
 })();
