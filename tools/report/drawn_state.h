@@ -16,7 +16,7 @@
 #include "report/drawn_values.h"
 #include "report/markup.h"
 
-/** What all states of a mesh have in common. Arrays are owned by the picture. */
+/** Parts of a mesh that all its states have in common. Arrays are owned by the picture. */
 typedef struct pl_drawn_mesh {
     int dim;
     int is_surface;         /* of flat elements in space */
