@@ -2,6 +2,7 @@
 #include "report/history.h"
 
 #include "report/assets.h"
+#include "report/picture_state.h"
 #include "terminal/message.h"
 
 #include <stdlib.h>
@@ -17,7 +18,7 @@ struct pl_history {
     pl_job job; /* a copy, whose mesh is that after a sweep: */
     double *x;  /* [n_nodes][dim] owned */
     const pl_picture *picture;
-    pl_picture_step *step; /* [room] owned */
+    pl_drawn_state *step; /* [room] owned */
     int n, room;
     int most;   /* steps that are kept in the end */
     int stride; /* a state is taken after every stride-th sweep */
@@ -53,11 +54,11 @@ int pl_history_begin(const pl_job *job, const pl_picture *picture, pl_history **
 static void forget(pl_history *h, int stride, int end) {
     int n = 0;
     for (int i = 0; i < h->n; i++) {
-        pl_picture_step step = h->step[i];
+        pl_drawn_state step = h->step[i];
         if (step.sweep % stride == 0 && step.sweep < end)
             h->step[n++] = step;
         else
-            pl_drawn_state_free(&step.state);
+            pl_drawn_state_free(&step);
     }
     h->n = n;
 }
@@ -72,9 +73,9 @@ static void make_room(pl_history *h) {
 
 /** Take the mesh at h->x. */
 static void take(pl_history *h, int sweep) {
-    pl_picture_step *step = &h->step[h->n++];
-    *step = (pl_picture_step){.sweep = sweep};
-    h->status = pl_drawn_state_take_brief(pl_picture_mesh(h->picture), &h->job, &step->state);
+    pl_drawn_state *step = &h->step[h->n++];
+    *step = (pl_drawn_state){.sweep = sweep};
+    h->status = pl_picture_take_brief(h->picture, &h->job, step);
 }
 
 void pl_history_take(pl_history *h, const planish_progress *progress) {
@@ -110,8 +111,7 @@ static int64_t room_of_page(const pl_history *h, const pl_picture *picture) {
     const int64_t left = MOST_OF_PAGE - MOST_OF_OTHERS - of_script - pl_picture_length(picture);
     int64_t longest = 1;
     for (int i = 0; i < h->n; i++) {
-        const int64_t length =
-            pl_drawn_state_length(pl_picture_mesh(picture), &h->step[i].state, NULL);
+        const int64_t length = pl_picture_step_length(picture, &h->step[i]);
         longest = length > longest ? length : longest;
     }
     return left > 0 ? left / longest : 0;
@@ -123,7 +123,7 @@ static void choose(pl_history *h, int n) {
         if (kept < n && i == (2 * kept + 1) * h->n / (2 * n)) {
             h->step[kept++] = h->step[i];
         } else
-            pl_drawn_state_free(&h->step[i].state);
+            pl_drawn_state_free(&h->step[i]);
     }
     h->n = n < h->n ? n : h->n;
 }
@@ -138,7 +138,9 @@ int pl_history_end(pl_history *h, pl_picture *picture, const planish_result *res
     if (h->n < wanted && h->job.arguments->verbosity != PL_QUIET)
         pl_note(stderr, "%s has %d of the %d states of --history, so that it stays below %d MB",
                 h->job.arguments->report, h->n + 2, wanted + 2, MOST_OF_PAGE / 1000000);
-    pl_picture_keep_steps(picture, h->step, h->n, result->sweeps);
+    picture->step = h->step;
+    picture->n_steps = h->n;
+    picture->n_sweeps = result->sweeps;
     h->step = NULL;
     h->n = 0;
     return 0;
@@ -148,7 +150,7 @@ void pl_history_free(pl_history *h) {
     if (!h)
         return;
     for (int i = 0; i < h->n; i++)
-        pl_drawn_state_free(&h->step[i].state);
+        pl_drawn_state_free(&h->step[i]);
     free(h->step);
     free(h->x);
     free(h);

@@ -281,9 +281,9 @@ static void put_view(pl_markup *page, const pl_figures *figures, const pl_pictur
 
 /** Put what the steps between before and after show. */
 static void put_help_of_steps(pl_markup *page, const pl_picture *picture) {
-    const int64_t n_bad = pl_drawn_state_brief_bad(pl_picture_mesh(picture));
-    int n, n_sweeps;
-    pl_picture_steps(picture, &n, &n_sweeps);
+    const int64_t n_bad = pl_picture_brief_bad(picture);
+    int n_sweeps;
+    const int n = pl_picture_n_steps(picture, &n_sweeps);
     if (n == 0)
         return;
     pl_markup_put(
@@ -299,8 +299,8 @@ static void put_help_of_steps(pl_markup *page, const pl_picture *picture) {
 
 /** Put the controls that play the steps. */
 static void put_play(pl_markup *page, const pl_picture *picture) {
-    int n, n_sweeps;
-    pl_picture_steps(picture, &n, &n_sweeps);
+    int n_sweeps;
+    const int n = pl_picture_n_steps(picture, &n_sweeps);
     if (n == 0)
         return;
     pl_markup_put(

@@ -5,7 +5,6 @@
  * nodes that lie in one cell of a grid become one.
  *
  *     pl_picture_begin, _take, _free           a mesh, and its states
- *     pl_picture_mesh, _keep_steps, _steps     states between these
  *     pl_picture_fits, _n_states, _count       questions about it
  *     pl_picture_put, _put_still               the data for viewer/; a picture without it
  */
@@ -13,18 +12,11 @@
 #define PL_REPORT_PICTURE_H
 
 #include "job/job.h"
-#include "report/drawn_state.h"
 #include "report/markup.h"
 
 enum { PL_PICTURE_MOST_STATES = 2 };
 
 typedef struct pl_picture pl_picture;
-
-/** A state between the two of a picture. */
-typedef struct pl_picture_step {
-    int sweep; /* after which it was, from 1 */
-    pl_drawn_state state;
-} pl_picture_step;
 
 /** Begin a picture of the mesh of job (which has a plan, or job->has_types): find what is to be drawn of it, and its
  *  place. To be released by pl_picture_free, also after a failure. Returns 0, or an exit status
@@ -38,18 +30,6 @@ int pl_picture_fits(const pl_picture *picture, const pl_job *job);
  * of a mesh whose size overflows. name: a word for it, kept as it is ("before"). */
 int pl_picture_take(pl_picture *picture, const pl_job *job, const char *name);
 
-/** Return what is drawn of the mesh in every state. */
-const pl_drawn_mesh *pl_picture_mesh(const pl_picture *picture);
-
-/** Keep step [n], ascending, of n_sweeps sweeps; the picture owns them from now on. */
-void pl_picture_keep_steps(pl_picture *picture, pl_picture_step *step, int n, int n_sweeps);
-
-/** Return the steps [*n], and of how many sweeps they are. */
-const pl_picture_step *pl_picture_steps(const pl_picture *picture, int *n, int *n_sweeps);
-
-/** Return how many characters pl_picture_put puts without steps, about. */
-int64_t pl_picture_length(const pl_picture *picture);
-
 /** Whether features of the surface are drawn: patches, curves and corners. */
 int pl_picture_has_features(const pl_picture *picture);
 
@@ -59,6 +39,12 @@ int64_t pl_picture_stride(const pl_picture *picture);
 /** How many states the picture, which may be NULL, shows, and their names. */
 int pl_picture_n_states(const pl_picture *picture);
 const char *pl_picture_state_name(const pl_picture *picture, int i);
+
+/** How many states between these the picture shows, of *n_sweeps sweeps (history.h). */
+int pl_picture_n_steps(const pl_picture *picture, int *n_sweeps);
+
+/** How many bad elements each of them has; 0: all elements. */
+int64_t pl_picture_brief_bad(const pl_picture *picture);
 
 /** Add what the viewer draws, as JSON. */
 void pl_picture_put(pl_markup *page, const pl_picture *picture);
