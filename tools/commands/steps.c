@@ -289,6 +289,7 @@ int pl_steps_smooth(pl_job *job, pl_result *result, pl_progress *progress) {
         status = pl_history_begin(job, result->picture, &to.history);
     if (!status)
         status = smooth(job, result, &to);
+    job->options.progress = NULL; /* the listeners are gone */
     pl_history_free(to.history);
     return status;
 }
