@@ -1242,8 +1242,8 @@ PLANISH_API int planish_smooth(planish_plan *plan, double *coordinates,
 
 /** Fill coordinates [n_nodes][dim] (or as the mesh's strides say) with the positions of the nodes at the
  *  end of a sweep. Only a planish_progress_fn may call this, with the progress that it was given, on the
- *  last call of a sweep (sweep_done). Only the entries of nodes that may move are set: begin with a copy of
- *  the coordinates that are smoothed. coordinates must be another array than these.
+ *  last call of a sweep (sweep_done). Entries of nodes that do not move may stay as they are: begin with a
+ *  copy of the coordinates that are smoothed. coordinates must be another array than these.
  *  The positions are those that the figures of progress describe:
  *  - Sweeps that smooth: the mesh after the sweep. It is valid if the mesh was valid.
  *  - Sweeps that untangle: the mesh after the sweep, which planish may undo later.

@@ -21,8 +21,6 @@ static void fill_nodes(void *context, int64_t begin, int64_t end, int thread) {
     for (int64_t i = begin; i < end; i++) {
         const double *start = f->from->given + i * dim;
         const double *now = f->from->now + (int64_t)plan->inner[i] * dim;
-        if (plan->work.mobility[i] == PL_HELD)
-            continue;
         const double *place = pl_distance(dim, now, start) > 0 ? now : start;
         for (int d = 0; d < dim; d++)
             f->coordinates[pl_point_at(&f->to, i, d)] = place[d];

@@ -15,8 +15,8 @@ typedef struct pl_positions {
     const void *saved; /* places of the skin at that time (pl_skin_save); NULL: as they are */
 } pl_positions;
 
-/** Write where the nodes that can move are to coordinates, laid out as the caller's: bit by bit as a
- *  result is written. positions: a pl_positions. */
+/** Write where the plan's nodes, and those that follow, are to coordinates, laid out as the caller's: bit by
+ *  bit as a result is written. positions: a pl_positions. */
 void pl_positions_fill(const void *positions, double *coordinates);
 
 #endif

@@ -67,14 +67,19 @@ static void end(recorded *r) {
 
 /* ---- every problem ---------------------------------------------------------------------------- */
 
-/** The numbers that snapshots set are those of the nodes that the plan moves. */
+/** Snapshots set the places of all nodes that the plan moves; the others are where they were. */
 static void check_nodes(const recorded *r) {
     const planish_mesh *mesh = &r->problem.mesh;
+    const size_t bytes = (size_t)mesh->dim * sizeof(double);
     uint8_t *reason = malloc((size_t)mesh->n_nodes);
     assert_int_equal(planish_plan_get_held(r->plan, NULL, reason, NULL), 0);
-    for (int64_t i = 0; i < mesh->n_nodes; i++)
+    for (int64_t i = 0; i < mesh->n_nodes; i++) {
+        const int64_t at = i * mesh->dim;
         for (int d = 0; d < mesh->dim; d++)
-            assert_int_equal(r->taken.is_set[i * mesh->dim + d], reason[i] == 0);
+            assert_true(r->taken.is_set[at + d] || reason[i] != 0);
+        for (int s = 0; s < r->taken.n && reason[i] != 0; s++)
+            assert_memory_equal(r->taken.x[s] + at, r->taken.given + at, bytes);
+    }
     free(reason);
 }
 
