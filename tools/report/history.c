@@ -9,7 +9,7 @@
 #include <string.h>
 
 /* Characters of a page with a history; and of tables, drawings and the viewer, at most. */
-enum { MOST_OF_PAGE = 3000000, MOST_OF_OTHERS = 350000 };
+enum { MOST_OF_PAGE = 3000000, MOST_OF_OTHERS = 150000 };
 
 /* States that are taken for each that is kept in the end: with 2 these are as far apart as one may wish. */
 enum { TAKEN_FOR_EACH = 2 };

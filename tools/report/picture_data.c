@@ -92,7 +92,7 @@ typedef struct array {
     int64_t n;
 } array;
 
-enum { N_ARRAYS = 9 };
+enum { N_ARRAYS = 10 };
 
 /** List the arrays of a state; points only where they are not those of first (may be NULL): surfaces are most
  *  often the same. */
@@ -106,6 +106,7 @@ static void list_arrays(const pl_picture *picture, const pl_drawn_state *s,
         {"points", is_same ? NULL : s->point, of_points},
         {"codes", s->code, m * picture->surface.n_triangles},
         {"corners", s->corner, 4 * s->n_corners * dim},
+        {"places", s->place, 2 * s->n_corners * dim},
         {"sizes", has_sizes ? s->size : NULL, s->n_bad},
         {"bad_ratios", s->bad_ratio, 4 * s->n_bad},
         {"bad_codes", s->bad_code, m * s->n_bad},

@@ -21,9 +21,9 @@ typedef struct pl_drawn_state {
     uint8_t *code;      /* [n_measures][n_triangles] of flat elements, else NULL */
     int64_t n_inverted; /* in the mesh, */
     int64_t n_bad;      /* and bad elements that are drawn */
-    uint8_t *corner; /* [n_corners][dim] floats, those of an element one after the other; NULL: all
-                           elements are inside */
-    uint8_t *size;   /* [n_bad] corners of each */
+    uint8_t *corner;    /* [n_corners][dim] floats, those of an element one after the other, */
+    uint8_t *place;     /* or of 16 bits; NULL: likewise, or all elements are inside */
+    uint8_t *size;      /* [n_bad] corners of each */
     int64_t n_corners;
     uint8_t *bad_ratio;   /* [n_bad] floats; 0: inverted */
     uint8_t *bad_code;    /* [n_measures][n_bad] */

@@ -10,7 +10,7 @@
 #include <string.h>
 
 /* Bad elements of a state at most, and of one in brief; half as many where they have up to 8 corners. */
-enum { MOST_BAD = 4000, MOST_BAD_IN_BRIEF = 1000, MOST_CORNERS = 8 };
+enum { MOST_BAD = 4000, MOST_BAD_IN_BRIEF = 800, MOST_CORNERS = 8 };
 
 /** The place of a coordinate in the box: from 0 to 1. */
 static double place_of(const pl_picture *picture, int d, double x) {
@@ -64,31 +64,40 @@ static int fewer_of(const pl_picture *picture) {
     return picture->is_solid && picture->has_types ? 2 : 1;
 }
 
-/** Take up to most of the worst elements: their corners and ratios. element [to->n_bad]: which they are, owned
- *  by the caller, also after a failure. */
-static int take_worst(const pl_picture *picture, const pl_job *job, int64_t most,
+/** Put direction d of a corner of a bad element, as a float from the middle of the box, whose longest side is
+ *  1, or (size 2) in 16 bits. */
+static void put_corner(const pl_picture *picture, int d, double x, int size, uint8_t *out) {
+    const double middle = (picture->low[d] + picture->high[d]) / 2;
+    if (size == 2)
+        pl_bytes_put((uint32_t)lround(PL_PICTURE_PLACES * place_of(picture, d, x)), 2, out);
+    else
+        pl_bytes_put_float((x - middle) / picture->size, out);
+}
+
+/** Take up to most of the worst elements: their corners, in numbers of size bytes, and ratios. element
+ *  [to->n_bad]: which they are, owned by the caller, also after a failure. */
+static int take_worst(const pl_picture *picture, const pl_job *job, int64_t most, int size,
                       pl_drawn_state *to, int32_t **element) {
-    const int dim = picture->dim, point_size = 4 * dim;
+    const int dim = picture->dim, point_size = size * dim;
     const double *x = job->mesh.coordinates;
     pl_worst worst = {0};
     int status = pl_worst_select(job, most / fewer_of(picture), &worst);
-    to->corner = malloc((size_t)(worst.n * MOST_CORNERS * point_size) + 1);
+    uint8_t *corner = malloc((size_t)(worst.n * MOST_CORNERS * point_size) + 1);
+    *(size == 2 ? &to->place : &to->corner) = corner;
     to->size = malloc((size_t)worst.n + 1);
     to->bad_ratio = malloc((size_t)(4 * worst.n) + 1);
     *element = malloc(((size_t)worst.n + 1) * sizeof **element);
-    if (!status && (!to->corner || !to->size || !to->bad_ratio || !*element))
+    if (!status && (!corner || !to->size || !to->bad_ratio || !*element))
         status = pl_job_complain_memory(job, "the picture");
     for (int64_t i = 0; !status && i < worst.n; i++) {
         int n;
         const int32_t *node = pl_job_corners(job, worst.bad[i].element, &n);
-        uint8_t *out = to->corner + to->n_corners * point_size;
+        uint8_t *out = corner + to->n_corners * point_size;
         to->size[i] = (uint8_t)n;
         to->n_corners += n;
         for (int j = 0; j < n; j++)
-            for (int d = 0; d < dim; d++, out += 4) {
-                const double middle = (picture->low[d] + picture->high[d]) / 2;
-                pl_bytes_put_float((x[(int64_t)node[j] * dim + d] - middle) / picture->size, out);
-            }
+            for (int d = 0; d < dim; d++, out += size)
+                put_corner(picture, d, x[(int64_t)node[j] * dim + d], size, out);
         pl_bytes_put_float(worst.bad[i].ratio, to->bad_ratio + 4 * i);
         (*element)[i] = (int32_t)worst.bad[i].element;
     }
@@ -138,7 +147,7 @@ int pl_picture_take_whole(const pl_picture *picture, const pl_job *job, pl_drawn
     if (!status)
         status = take_surface(picture, job, state);
     if (!status)
-        status = take_worst(picture, job, MOST_BAD, state, &bad);
+        status = take_worst(picture, job, MOST_BAD, 4, state, &bad);
     if (!status && picture->is_solid)
         status = take_inside(picture, job, state);
     if (!status)
@@ -196,7 +205,7 @@ int pl_picture_take_brief(const pl_picture *picture, const pl_job *job, pl_drawn
         return status;
     }
     if (!status)
-        status = take_worst(picture, job, MOST_BAD_IN_BRIEF, state, &bad);
+        status = take_worst(picture, job, MOST_BAD_IN_BRIEF, 2, state, &bad);
     if (!status)
         status = picture->is_solid
                      ? take_few_codes(job, NULL, 0, bad, NULL, state)
@@ -210,6 +219,7 @@ void pl_drawn_state_free(pl_drawn_state *s) {
     free(s->point);
     free(s->code);
     free(s->corner);
+    free(s->place);
     free(s->size);
     free(s->bad_ratio);
     free(s->bad_code);

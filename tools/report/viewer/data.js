@@ -45,15 +45,21 @@ function elements(sizes, corners, codes) {
     return {n: sizes.length, sizes: sizes, first: first, corners: corners, codes: codes};
 }
 
+/** Corners that are floats, three numbers each. */
+function cornersOf(base64) {
+    const flat = new Float32Array(bytesOf(base64).buffer);
+    const corners = new Float32Array(flat.length / dim * 3);
+    for (let i = 0; i < flat.length; i++)
+        corners[Math.floor(i / dim) * 3 + i % dim] = flat[i];
+    return corners;
+}
+
 /** The worst elements of a state. */
 function badOf(state) {
     const ratios = new Float32Array(bytesOf(state.bad_ratios).buffer);
     const sizes = state.sizes ? bytesOf(state.sizes)
         : new Uint8Array(ratios.length).fill(dim + 1);
-    const flat = new Float32Array(bytesOf(state.corners).buffer);
-    const corners = new Float32Array(flat.length / dim * 3);
-    for (let i = 0; i < flat.length; i++)
-        corners[Math.floor(i / dim) * 3 + i % dim] = flat[i];
+    const corners = state.places !== undefined ? placesOf(state.places) : cornersOf(state.corners);
     const bad = elements(sizes, corners, bytesOf(state.bad_codes));
     bad.ratios = ratios;
     return bad;
@@ -94,7 +100,7 @@ function stateOf(state, first) {
         sweep: state.sweep, /* of a step between before and after */
         points: state.points ? placesOf(state.points) : first.points,
         codes: state.codes ? bytesOf(state.codes) : null, /* of triangles */
-        bad: state.corners !== undefined ? badOf(state) : worstFirst(inside),
+        bad: state.bad_codes !== undefined ? badOf(state) : worstFirst(inside),
         inside: inside,
         cubes: state.cubes ? bytesOf(state.cubes) : null,
         inverted: state.inverted
