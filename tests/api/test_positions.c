@@ -290,7 +290,7 @@ static void mids_are_where_their_ends_are(void **state) {
 
 /* ---- refusals -------------------------------------------------------------------------------- */
 
-/** The array that is smoothed. */
+/** Ask for nothing, and for the array that is smoothed; end the run. */
 static int ask_wrongly(const planish_progress *progress, void *user) {
     planish_error error = {.text = ""};
     double *x = user;
@@ -305,40 +305,18 @@ static int ask_wrongly(const planish_progress *progress, void *user) {
     return 1;
 }
 
-/** Searches for proofs have no positions. */
-static int ask_in_a_search(const planish_progress *progress, void *user) {
-    double x = 0;
-    assert_int_equal(planish_progress_get_coordinates(progress, &x, NULL), PLANISH_ERROR_ARGUMENT);
-    ++*(int *)user;
-    return 0;
-}
-
-static void what_has_no_positions_is_refused(void **unused) {
-    (void)unused;
+static void what_has_no_positions_is_refused(void **state) {
+    (void)state;
     test_mesh box;
     planish_options options = test_options(1);
-    planish_plan *plan;
-    planish_result result;
-    int64_t n_below, n_undecided;
-    int calls = 0;
+    const planish_progress nowhere = {.sweep_done = 1};
     test_bad_box(&box, 3, 4, 2);
     double *x = test_copy_of(&box.mesh);
-    uint8_t *state = malloc((size_t)box.mesh.n_elements);
     options.progress = ask_wrongly;
     options.progress_user = x;
-    options.min_volume = 0.16;
-    assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
-    assert_int_equal(planish_smooth(plan, x, &options, &result, NULL), 0);
-    assert_int_equal(result.stop, PLANISH_STOP_INTERRUPTED);
-    options.progress = ask_in_a_search;
-    options.progress_user = &calls;
-    assert_int_equal(planish_check_volumes(plan, x, &options, state, &n_below, &n_undecided, NULL),
-                     0);
-    const planish_progress nowhere = {.sweep_done = 1};
+    assert_int_equal(test_smooth_in_place(&box.mesh, x, &options).stop, PLANISH_STOP_INTERRUPTED);
     assert_int_equal(planish_progress_get_coordinates(&nowhere, x, NULL), PLANISH_ERROR_ARGUMENT);
-    planish_plan_destroy(plan);
     test_mesh_destroy(&box);
-    free(state);
     free(x);
 }
 
