@@ -103,11 +103,11 @@ for j in range(n):
         print(a, a + 1, a + n + 2, 1, a, a + n + 2, a + n + 1, 1)
 print("End")
 END
-expect_status 0 "$program" smooth flat.mesh -o flat_out.mesh --max-sweeps 40 --tolerance 0 --history 30 --report flat.html
-expect_text "of the 30 states of --history"
+expect_status 0 "$program" smooth flat.mesh -o flat_out.mesh --max-sweeps 40 --tolerance 0 --history 20 --report flat.html
+expect_text "of the 20 states of --history"
 [ "$(wc -c <flat.html)" -lt 3000000 ] || fail "a page of $(wc -c <flat.html) bytes"
 kept=$(grep -o '"sweep":[0-9]*' flat.html | wc -l)
-[ "$kept" -gt 0 ] && grep -q "flat.html has $((kept + 2)) of the 30 states" err || fail "$kept states, and: $(cat err)"
+[ "$kept" -gt 0 ] && grep -q "flat.html has $((kept + 2)) of the 20 states" err || fail "$kept states, and: $(cat err)"
 
 # The page of the JSON does not play.
 expect_status 0 "$program" report one.json -o again.html -q
