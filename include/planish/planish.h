@@ -47,7 +47,8 @@
  *                              planish_find_wrapped
  *   Quality                    planish_measure, _measure_elements, _measure_mesh,
  *                              planish_find_reversed, planish_checksum
- *   Smoothing                  planish_smooth, planish_result, planish_check_volumes,
+ *   Smoothing                  planish_smooth, planish_progress_get_coordinates, planish_result,
+ *                              planish_check_volumes,
  *                              planish_find_infeasible
  */
 #ifndef PLANISH_H
@@ -623,7 +624,10 @@ typedef struct planish_progress {
     double elapsed;             /* time of planish_smooth so far, seconds */
     int64_t colour_visits; /* nodes visited in the colour that this call is after, or those that
                               were moved together; 0 on the last call of a sweep */
-    int64_t reserved[3];
+    const struct planish_positions
+        *positions; /* where the nodes are, for planish_progress_get_coordinates, until this call
+                       returns; NULL unless sweep_done */
+    int64_t reserved[2];
 } planish_progress;
 
 /** Function that planish_smooth calls on the caller's thread after every colour and once more at the
@@ -631,7 +635,8 @@ typedef struct planish_progress {
  * second. A result other than 0 ends the smoothing there: the mesh is then no worse than before,
  * and valid if it was valid. A sweep that is cut short (by this function or the time limit) still
  * gets its last call, whose result does not matter. The caller's coordinates change only when
- * planish_smooth returns. The function must not use the plan, except for planish_measure and, with
+ * planish_smooth returns; planish_progress_get_coordinates has those at the end of a sweep. The
+ * function must not use the plan, except for planish_measure, planish_measure_elements and, with
  * options whose progress is NULL, planish_check_volumes. With bind, the calling thread is bound
  * meanwhile, and threads that the function starts inherit that.
  */
@@ -1225,6 +1230,25 @@ typedef struct planish_result {
 PLANISH_API int planish_smooth(planish_plan *plan, double *coordinates,
                                const planish_options *options, planish_result *result,
                                planish_error *error);
+
+/** Fill coordinates [n_nodes][dim] (or as the mesh's strides say) with the positions of the nodes at the
+ *  end of a sweep. Only a planish_progress_fn may call this, with the progress that it was given, on the
+ *  last call of a sweep (sweep_done). Entries of nodes that do not move may stay as they are: begin with a
+ *  copy of the coordinates that are smoothed. coordinates must be another array than these.
+ *  The positions are those that the figures of progress describe:
+ *  - Sweeps that smooth: the mesh after the sweep. It is valid if the mesh was valid.
+ *  - Sweeps that untangle: the mesh after the sweep, which planish may undo later.
+ *  - Sweeps of a trial, as for the worst elements: the mesh that was accepted last, until planish accepts
+ *    the trial. Sweeps of one trial have the same positions.
+ *  - planish_smooth_surface: the mesh after the sweep, in trials, too. Where a run begins anew its sweeps
+ *    count from 1 again, and positions before that do not lead to the result.
+ *  - planish_fit_move: the mesh after the sweep. Sweeps count from 1 in each round.
+ *  Positions are rounded as the result is (planish_options.precision). The result may differ from the
+ *  positions of the last sweep: planish may accept a trial, or put nodes back, after that sweep.
+ *  With a mesh in parts the entries of ghosts are unspecified. The call allocates nothing, and changes no
+ *  result. Errors: _ARGUMENT; coordinates are then untouched. */
+PLANISH_API int planish_progress_get_coordinates(const planish_progress *progress,
+                                                 double *coordinates, planish_error *error);
 
 /** Smooth coordinates [n_nodes][3] (or as the mesh's strides say) of a mesh that is a surface in space:
  *  mesh->cells has triangles and quadrilaterals, and no solids. Nodes move along options->shape, which

@@ -5,8 +5,10 @@
 #include "base/context.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "base/positions.h"
 #include "base/status.h"
 #include "geometry/arc_cosine.h"
+#include "geometry/simplex.h"
 #include "sweep/sweep.h"
 
 #include <math.h>
@@ -80,6 +82,18 @@ static int ask_caller(pl_surface_run *r, const planish_progress *progress) {
     return 1;
 }
 
+/** Write where the nodes of the surface are to coordinates, laid out as the caller's: all, because a run that
+ *  begins anew moves fewer. run: a pl_surface_run. */
+static void fill_positions(const void *run, double *coordinates) {
+    const pl_surface_run *r = run;
+    const pl_points points = pl_points_of(r->mesh, coordinates);
+    for (int64_t i = 0; i < r->shape->n_nodes; i++) {
+        const double *place = pl_distance(3, r->x[i], r->start[i]) > 0 ? r->x[i] : r->start[i];
+        for (int d = 0; d < 3; d++)
+            coordinates[pl_point_at(&points, r->shape->node[i], d)] = place[d];
+    }
+}
+
 /* ---- one sweep ------------------------------------------------------------------------------ */
 
 /** Colour under way. */
@@ -135,8 +149,11 @@ static int sweep_once(pl_surface_run *r, pl_star_tally *tally, int *stopped, pla
     r->result->visits += tally->visits;
     r->result->evaluations += tally->evaluations;
     const int status = pl_surface_run_measure(r, error);
+    const struct planish_positions positions = {fill_positions, r, pl_context_current(),
+                                                r->coordinates};
     planish_progress progress = progress_of(r, colours, visits);
     progress.sweep_done = 1;
+    progress.positions = &positions;
     if (!status && !*stopped)
         *stopped = ask_caller(r, &progress);
     return status;

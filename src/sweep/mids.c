@@ -134,11 +134,10 @@ int64_t pl_mids_put_back(const pl_mids *m, int64_t element) {
     return n;
 }
 
-/** Direction d of the way of a node of the plan since the run began. */
-static double way_of(const pl_mids *m, int32_t node, int d) {
+/** Direction d of the way of a node of the plan since the run began, to where it is at now. */
+static double way_of(const pl_mids *m, const double *now, int32_t node, int d) {
     const int dim = m->plan->dim;
-    return m->plan->scratch.coordinates[(int64_t)m->plan->inner[node] * dim + d] -
-           m->given[(int64_t)node * dim + d];
+    return now[(int64_t)m->plan->inner[node] * dim + d] - m->given[(int64_t)node * dim + d];
 }
 
 int pl_mid_parents(const pl_mids *m, int32_t node, const int32_t **parent) {
@@ -152,7 +151,8 @@ int pl_mid_parents(const pl_mids *m, int32_t node, const int32_t **parent) {
     return n;
 }
 
-void pl_mid_place(const pl_mids *m, int32_t node, double *x) {
+void pl_mid_place_by(const pl_mids *m, int32_t node, const double *now, const double *own,
+                     double *x) {
     const int dim = m->plan->dim;
     const int32_t *parent;
     const int n = pl_mid_parents(m, node, &parent);
@@ -160,11 +160,15 @@ void pl_mid_place(const pl_mids *m, int32_t node, double *x) {
     if (n == 0)
         return;
     for (int d = 0; d < dim; d++) {
-        double way = way_of(m, parent[0], d);
+        double way = way_of(m, now, parent[0], d);
         for (int k = 1; k < n; k++)
-            way += way_of(m, parent[k], d);
-        x[d] = pl_mid_coordinate(m, node, d, way / n);
+            way += way_of(m, now, parent[k], d);
+        x[d] = pl_mid_coordinate_by(m, node, d, way / n, own ? own[d] : 0);
     }
+}
+
+void pl_mid_place(const pl_mids *m, int32_t node, double *x) {
+    pl_mid_place_by(m, node, m->plan->scratch.coordinates, pl_mid_own(m, node), x);
 }
 
 /** Mids on the way to the caller. */

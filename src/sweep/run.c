@@ -5,7 +5,9 @@
 #include "base/context.h"
 #include "base/parallel.h"
 #include "base/parts.h"
+#include "base/positions.h"
 #include "geometry/angle.h"
+#include "sweep/positions.h"
 
 #include <limits.h>
 #include <math.h>
@@ -115,7 +117,7 @@ void pl_run_measure_fixed(pl_run *r, const double *all) {
  *  returned. */
 static planish_progress progress_of(const pl_run *r, int colour, int64_t visits) {
     const double now = pl_seconds();
-    const pl_objective_sums *seen = r->shown ? r->shown : &r->sums;
+    const pl_objective_sums *seen = r->shown ? &r->shown->standing : &r->sums;
     return (planish_progress){
         .sweep = r->sweep,
         .colour = colour,
@@ -129,6 +131,17 @@ static planish_progress progress_of(const pl_run *r, int colour, int64_t visits)
         .visits = visits,
         .seconds = now - r->sweep_start,
         .elapsed = now - r->start_seconds};
+}
+
+/** Positions of the mesh that the figures of progress are about. */
+static pl_positions positions_of(const pl_run *r) {
+    const planish_plan *plan = r->plan;
+    return (pl_positions){.plan = plan,
+                          .given = r->given,
+                          .now = r->shown ? r->shown->before : plan->scratch.coordinates,
+                          .mids = pl_watch_has_mids(&r->watch) ? &r->watch.mids : NULL,
+                          .skin = &r->skin,
+                          .saved = r->shown ? r->shown->skin : NULL};
 }
 
 int pl_ask_caller(const planish_options *options, const planish_progress *progress) {
@@ -288,8 +301,12 @@ void pl_run_begin_sweep(pl_run *r) {
 int pl_run_end_sweep(pl_run *r, const pl_sweep_tally *tally) {
     r->result->visits += tally->stars.visits;
     r->result->evaluations += tally->stars.evaluations;
+    const pl_positions from = positions_of(r);
+    const struct planish_positions positions = {pl_positions_fill, &from, r->plan->context,
+                                                r->coordinates};
     planish_progress progress = progress_of(r, tally->colours, tally->stars.visits);
     progress.sweep_done = 1;
+    progress.positions = &positions;
     const int stopped = pl_parts_any(pl_ask_caller(r->options, &progress));
     if (!tally->stopped && !stopped)
         return 0;
@@ -520,7 +537,7 @@ void pl_trial_begin(pl_run *r, int is_hidden, double *before, pl_trial *trial) {
                         .skin = pl_skin_save(&r->skin)};
     memcpy(before, r->plan->scratch.coordinates, size_of_coordinates(r));
     if (!r->shown) /* a trial within a hidden one is hidden, too */
-        r->shown = is_hidden ? &trial->standing : NULL;
+        r->shown = is_hidden ? trial : NULL;
 }
 
 void pl_trial_end(const pl_trial *trial, int is_taken) {

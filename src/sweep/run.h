@@ -26,6 +26,7 @@
 #include "sweep/sweep.h"
 
 struct pl_run;
+struct pl_trial;
 
 /** Methods that help a mesh on which sweeps are slow; all nodes move at once. */
 typedef enum pl_acceleration { PL_COARSE, PL_CENTRING, PL_DESCENT } pl_acceleration;
@@ -57,7 +58,8 @@ typedef struct pl_run {
                                domain */
     double measured_sum;    /* the sum that is tracked, as measured last */
     double factor;          /* from a star's function to F, of the last sweep's weights */
-    const pl_objective_sums *shown; /* not NULL: the sweeps are a trial, and these sums stand */
+    const struct pl_trial
+        *shown;          /* not NULL: the sweeps are a trial, and the mesh before it stands */
     int64_t improved;    /* stars that the last sweep improved by more than a hundredth */
     planish_phase phase; /* of the sweeps; _UNTANGLE: the last one brought elements above their
                             minimum volume */
@@ -168,7 +170,7 @@ typedef struct pl_trial {
     pl_star_guard guard;
     planish_phase phase;
     void *skin; /* its places and bounds */
-    const pl_objective_sums *shown;
+    const struct pl_trial *shown;
 } pl_trial;
 
 /** Begin a trial with the mesh as measured last. before [n_nodes][dim] is room for coordinates, and

@@ -352,6 +352,10 @@ planish_constraint pl_skin_ask(int64_t node, double *point, double *direction, v
  *  memory. */
 void *pl_skin_save(const pl_skin *skin);
 
+/** Return by what a node of the mesh, a mid of the shape, had moved by itself [3] when saved was saved; NULL:
+ *  saved does not tell. */
+const double *pl_skin_saved_own(const pl_skin *skin, const void *saved, int32_t node);
+
 /** Bring back saved places and bounds, if any, of nodes that are back where they were then. */
 void pl_skin_restore(pl_skin *skin, void *saved);
 

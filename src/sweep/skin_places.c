@@ -281,6 +281,12 @@ void *pl_skin_save(const pl_skin *skin) {
     return saved;
 }
 
+const double *pl_skin_saved_own(const pl_skin *skin, const void *saved, int32_t node) {
+    if (!saved || !skin->shape || !has_own(skin) || skin->shape->number[node] < 0)
+        return NULL;
+    return (const double *)saved + (int64_t)skin->shape->number[node] * 3;
+}
+
 void pl_skin_restore(pl_skin *skin, void *saved) {
     if (skin->shape && saved)
         copy_all(skin, saved, 1);

@@ -16,7 +16,7 @@
  *   pl_plan_cell_corners          a cell of a plan
  *   pl_mids_create, _destroy      nodes that follow, and their parents,
  *   pl_mids_note, _number         to be noted for each cell
- *   pl_mid_place, _coordinate     where a node is
+ *   pl_mid_place, _place_by, _coordinate, _own    where a node is
  *   pl_mid_parents                what it is between
  *   pl_mids_release, _put_back, pl_mid_has_moved    nodes that move by themselves
  *   pl_mids_write                 to the caller's coordinates
@@ -195,10 +195,15 @@ static inline double pl_mid_coordinate_by(const pl_mids *mids, int32_t node, int
     return way != 0 ? pl_store(&mids->storage, start + way) : start; /* what stays is not rounded */
 }
 
+/** By what a node has moved by itself [dim]; NULL: by nothing. */
+static inline const double *pl_mid_own(const pl_mids *mids, int32_t node) {
+    return mids->own ? mids->own + (int64_t)node * mids->start.dim : NULL;
+}
+
 /** Coordinate d of a node that follows by way in this direction. */
 static inline double pl_mid_coordinate(const pl_mids *mids, int32_t node, int d, double follows) {
-    const double own = mids->own ? mids->own[(int64_t)node * mids->start.dim + d] : 0;
-    return pl_mid_coordinate_by(mids, node, d, follows, own);
+    const double *own = pl_mid_own(mids, node);
+    return pl_mid_coordinate_by(mids, node, d, follows, own ? own[d] : 0);
 }
 
 /** Whether a node of order 2 has moved by itself. */
@@ -222,6 +227,11 @@ int64_t pl_mids_put_back(const pl_mids *mids, int64_t element);
 
 /** Set x [dim] to the place of a node of the mesh that follows, at the plan's present coordinates. */
 void pl_mid_place(const pl_mids *mids, int32_t node, double *x);
+
+/** Set x [dim] to the place of a node of the mesh that follows, where the plan's nodes are at now, by inner
+ *  numbers, and it has moved by own [dim] itself (NULL: by nothing). */
+void pl_mid_place_by(const pl_mids *mids, int32_t node, const double *now, const double *own,
+                     double *x);
 
 /** Write mids that have moved to coordinates, the caller's, if writes. Add how many have, and raise
  *  *farthest to how far. */

@@ -354,6 +354,7 @@ typedef struct reader_on_the_way {
     double *start;
     size_t bytes;
     uint8_t *state;
+    double *ratio, *positions;
     pthread_t thread;
     int64_t below;
     int calls;
@@ -369,6 +370,9 @@ static int ask_on_the_way(const planish_progress *progress, void *user) {
         0);
     assert_true(a->below > 0);
     assert_int_equal(planish_measure(a->plan, a->coordinates, &quality, NULL), 0);
+    if (progress->sweep_done)
+        assert_int_equal(planish_progress_get_coordinates(progress, a->positions, NULL), 0);
+    assert_int_equal(planish_measure_elements(a->plan, a->positions, a->ratio, NULL), 0);
     assert_memory_equal(a->coordinates, a->start, a->bytes);
     assert_true(progress->seconds >= 0 && progress->seconds < 3600);
     a->calls++;
@@ -397,6 +401,8 @@ static void callbacks_may_ask_of_the_mesh(void **state) {
                                .start = test_copy_of(&box.mesh),
                                .bytes = test_bytes_of(&box.mesh),
                                .state = malloc((size_t)box.mesh.n_elements),
+                               .ratio = malloc((size_t)box.mesh.n_elements * sizeof(double)),
+                               .positions = test_copy_of(&box.mesh),
                                .thread = pthread_self()};
         assert_int_equal(planish_plan_create(&box.mesh, &options, &a.plan, NULL), 0);
         options.progress = count_calls;
@@ -412,6 +418,8 @@ static void callbacks_may_ask_of_the_mesh(void **state) {
         free(a.coordinates);
         free(a.start);
         free(a.state);
+        free(a.ratio);
+        free(a.positions);
         free(expected);
         test_mesh_destroy(&box);
     }

@@ -386,6 +386,44 @@ static void test_stop(void **state) {
     block_target_destroy(&fine);
 }
 
+/** A mesh on its way, and where it is after a sweep. */
+typedef struct onway {
+    const planish_mesh *mesh;
+    double *x;
+    int n_sweeps;
+} onway;
+
+static int look_at_sweep(const planish_progress *progress, void *user) {
+    onway *on = user;
+    if (!progress->sweep_done)
+        return 0;
+    memcpy(on->x, on->mesh->coordinates, test_bytes_of(on->mesh));
+    assert_int_equal(planish_progress_get_coordinates(progress, on->x, NULL), 0);
+    assert_int_equal(count_inverted(on->mesh, on->x), 0);
+    on->n_sweeps++;
+    return 0;
+}
+
+/** After each sweep the positions are those of a valid mesh. */
+static void test_positions(void **state) {
+    (void)state;
+    block b;
+    block_target fine;
+    outcome o;
+    block_create(0, BOX_HEXAHEDRA, BLOCK_CUBE, 5, 0.8, 0, &(uint64_t){effort_seed(3)}, &b);
+    block_target_create(BLOCK_BALL, 16, 0.5, 0, &fine);
+    onway on = {.mesh = &b.mesh, .x = test_copy_of(&b.mesh)};
+    planish_options options = test_options(1);
+    options.progress = look_at_sweep;
+    options.progress_user = &on;
+    fit(&b, &fine, 5, &options, &o);
+    assert_true(on.n_sweeps > 0);
+    free(on.x);
+    free_outcome(&o);
+    block_destroy(&b);
+    block_target_destroy(&fine);
+}
+
 /** Elements of 64 bits give the bits of those of 32. */
 static void test_wide(void **state) {
     (void)state;
@@ -601,6 +639,7 @@ int main(void) {
         cmocka_unit_test(test_curved_other),
         cmocka_unit_test(test_threads),
         cmocka_unit_test(test_stop),
+        cmocka_unit_test(test_positions),
         cmocka_unit_test(test_wide),
         cmocka_unit_test(test_not_finite),
         cmocka_unit_test(test_refusals),

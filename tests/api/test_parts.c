@@ -3,6 +3,7 @@
 #include "support/effort.h"
 #include "support/meshes.h"
 #include "support/processes.h"
+#include "support/snapshots.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -384,6 +385,63 @@ static void patches_cross_processes(void **state) {
             test_mesh_destroy(&m);
         }
     assert_true(n_improved >= N_PATCH_WAYS);
+}
+
+/** Processes that take snapshots. */
+typedef struct snapshot_job {
+    const planish_options *options;
+    snapshots taken[3];
+} snapshot_job;
+
+static void take_in_part(process *part, void *user) {
+    snapshot_job *j = user;
+    planish_options options = *j->options;
+    options.progress = snapshots_take;
+    options.progress_user = &j->taken[part->rank];
+    assert_int_equal(
+        smooth(&part->mesh, &options, NULL, part->node_number, part->coordinates).status, 0);
+}
+
+/** In each snapshot the nodes that a process moves are where they are in one process. */
+static void snapshots_are_those_of_one_process(void **state) {
+    const int dim = *(int *)*state, ways[] = {PLAIN, WORST_RATIO, FEW_SWEEPS};
+    test_mesh m;
+    int owner[1000];
+    test_mesh_box(&m, dim, dim == 3 ? 5 : 12);
+    test_mesh_perturb(&m, 0.14, 5);
+    processes_own(&m.mesh, SCATTERED, 3, 0, owner);
+    for (size_t i = 0; i < sizeof ways / sizeof *ways; i++) {
+        planish_options options = options_of(ways[i]), alone = options;
+        const size_t length = (size_t)(m.mesh.n_nodes * dim);
+        double *x = malloc(length * sizeof *x);
+        processes w;
+        snapshot_job j = {.options = &options};
+        memcpy(x, m.coordinates, length * sizeof *x);
+        snapshots one = snapshots_begin(x, length);
+        alone.progress = snapshots_take;
+        alone.progress_user = &one;
+        assert_int_equal(smooth(&m.mesh, &alone, NULL, NULL, x).status, 0);
+        processes_create(&w, &m.mesh, 3, owner);
+        for (int k = 0; k < 3; k++)
+            j.taken[k] =
+                snapshots_begin(w.parts[k].coordinates, (size_t)(w.parts[k].mesh.n_nodes * dim));
+        processes_run(&w, take_in_part, &j);
+        for (int k = 0; k < 3; k++) {
+            const process *part = &w.parts[k];
+            assert_true(j.taken[k].n == one.n && one.n > 1);
+            for (int sweep = 0; sweep < one.n; sweep++)
+                for (int64_t node = 0; node < part->mesh.n_nodes; node++)
+                    if (part->node_role[node] != PLANISH_ROLE_GHOST)
+                        assert_memory_equal(j.taken[k].x[sweep] + node * dim,
+                                            one.x[sweep] + part->node_number[node] * dim,
+                                            (size_t)dim * sizeof *x);
+            snapshots_free(&j.taken[k]);
+        }
+        processes_destroy(&w);
+        snapshots_free(&one);
+        free(x);
+    }
+    test_mesh_destroy(&m);
 }
 
 /** Allocations that succeed after a sweep of smoothing, before one fails. */
@@ -958,6 +1016,8 @@ int main(void) {
         cmocka_unit_test(threads_do_not_change_them),
         cmocka_unit_test_prestate(patches_cross_processes, &dims[0]),
         cmocka_unit_test_prestate(patches_cross_processes, &dims[1]),
+        cmocka_unit_test_prestate(snapshots_are_those_of_one_process, &dims[0]),
+        cmocka_unit_test_prestate(snapshots_are_those_of_one_process, &dims[1]),
         cmocka_unit_test_prestate(without_memory_for_patches_all_end, &dims[0]),
         cmocka_unit_test_prestate(without_memory_for_patches_all_end, &dims[1]),
         cmocka_unit_test(slow_meshes_are_helped_together),

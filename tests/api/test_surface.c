@@ -1,6 +1,7 @@
 /* planish_smooth_surface: triangles and quadrilaterals in space on their own shape. */
 #include "support/allocations.h"
 #include "support/sheets.h"
+#include "support/snapshots.h"
 
 #include "surface/surface_mesh.h"
 
@@ -437,6 +438,64 @@ static void test_crossings(void **unused) {
     destroy(&p);
 }
 
+/** Smooth with snapshots. */
+static snapshots take_snapshots(patchwork *p, int threads, planish_result *result) {
+    memcpy(p->x, p->given, sizeof p->x);
+    snapshots taken = snapshots_begin(p->x[0], 3 * NODES);
+    p->options.threads = threads;
+    p->options.progress = snapshots_take;
+    p->options.progress_user = &taken;
+    *result = smooth(p);
+    return taken;
+}
+
+/** Snapshots have the figures of progress, the last one is the result, and threads do not change them. */
+static void test_snapshots(void **unused) {
+    static patchwork p;
+    (void)unused;
+    for (int k = 0; k < 4; k++) {
+        planish_result r, other;
+        make(&p, k / 2 ? TUBE : TORUS, k % 2, 0.5);
+        p.options.worst = k == 0 ? PLANISH_WORST_RADIUS_RATIO : PLANISH_WORST_NONE;
+        snapshots one = take_snapshots(&p, 1, &r), more = take_snapshots(&p, 3, &other);
+        snapshots_assert_same(&one, &more);
+        assert_true(one.n == r.sweeps && one.n > 2 && one.n_refused > 0);
+        for (int i = 0; i < one.n; i++) {
+            planish_mesh mesh = p.mesh;
+            planish_quality quality;
+            mesh.coordinates = one.x[i];
+            assert_int_equal(
+                planish_measure_surface(p.shape, &mesh, 1, &quality, NULL, NULL, NULL, NULL), 0);
+            assert_int_equal(quality.n_inverted, 0);
+            assert_true(fabs(quality.rms_radius_ratio / one.figures[i].rms - 1) < 1e-9);
+        }
+        if (k > 0)
+            assert_memory_equal(one.x[one.n - 1], p.x, sizeof p.x);
+        snapshots_free(&one);
+        snapshots_free(&more);
+        destroy(&p);
+    }
+}
+
+/** Where a run begins anew, the snapshots of its last sweeps lead to the result; they have the nodes that it
+ *  holds back at their start. */
+static void test_snapshots_of_runs(void **unused) {
+    static patchwork p;
+    (void)unused;
+    planish_result r;
+    p.apart = 3e-4;
+    make(&p, SHAFT, 0, 0.5);
+    snapshots taken = take_snapshots(&p, 1, &r);
+    int n_begun = 0;
+    for (int i = 1; i < taken.n; i++)
+        n_begun += taken.figures[i].sweep < taken.figures[i - 1].sweep;
+    assert_true(n_begun > 0);
+    assert_int_equal(taken.figures[taken.n - 1].sweep, r.sweeps);
+    assert_memory_equal(taken.x[taken.n - 1], p.x, sizeof p.x);
+    snapshots_free(&taken);
+    destroy(&p);
+}
+
 /** Nodes of a facet that is there twice, that is the third at an edge, or that has no area stay; others
  *  move. */
 static void test_bad_facets(void **unused) {
@@ -681,6 +740,8 @@ int main(void) {
         cmocka_unit_test(test_stops),
         cmocka_unit_test(test_sheets),
         cmocka_unit_test(test_crossings),
+        cmocka_unit_test(test_snapshots),
+        cmocka_unit_test(test_snapshots_of_runs),
         cmocka_unit_test(test_bad_facets),
         cmocka_unit_test(test_floats),
         cmocka_unit_test(test_refusals),

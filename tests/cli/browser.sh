@@ -107,6 +107,56 @@ for page in solid plane large quality; do
     probe $page.html brush.js lists to all drag
 done
 
+# The mesh from sweep to sweep: by the slider, by the button, and by a key; without motion where that is wished.
+expect_status 0 "$program" smooth tangled.mesh -o smooth.mesh --history 6 --report played.html -q
+expect_status 0 "$program" smooth square.msh -o plane.msh --tolerance 1e-7 --history 6 --report played_plane.html -q
+expect_status 0 "$program" smooth large.mesh -o smooth.mesh --max-sweeps 6 --history 6 --report played_large.html -q
+cat >play.js <<'END'
+    const text = find('.step-text'), button = find('.play'), slider = find('.step');
+    const caption = () => [...document.querySelectorAll('#picture .count')].pop().parentNode.textContent;
+    say('last', text.textContent === 'after' && button.textContent === 'play' && slider.value === slider.max);
+    const after = await set('.divider', 0), step = await set(slider, 1), name = text.textContent;
+    say('step', step !== after && /^sweep \d+ of \d+$/.test(name) && find('.right').textContent === name);
+    say('caption', caption().startsWith(name + ': '));
+    if (find('.cut-axis')) {
+        await set('.cut-axis', 2, 'change');
+        await set('.cut-axis', '', 'change');
+    }
+    say('uncut', await picture() === step);
+    say('before', await set(slider, 0) !== step && text.textContent === 'before');
+    say('back', await set(slider, slider.max) === after && caption().startsWith('after: '));
+    await set('.divider', 70);
+    button.click();
+    say('plays', button.textContent === 'pause' && slider.value === '0' && find('.divider').value === '0');
+    const seen = new Set();
+    for (let i = 0; i < 150 && button.textContent === 'pause'; i++) {
+        seen.add(text.textContent);
+        await frame();
+    }
+    seen.add(text.textContent);
+    say('ends', seen.size === Number(slider.max) + 1 && text.textContent === 'after' && await picture() === after);
+    key(' ');
+    const isPlaying = button.textContent === 'pause';
+    button.click();
+    say('pauses', isPlaying && button.textContent === 'play' && slider.value === '0');
+END
+for page in played played_plane played_large; do
+    probe $page.html play.js last step caption uncut before back plays ends pauses
+done
+cat >still.js <<'END'
+    const button = find('.play'), slider = find('.step');
+    const name = button.textContent;
+    button.click();
+    const first = slider.value;
+    await new Promise(done => setTimeout(done, 2000));
+    const rested = slider.value;
+    button.click();
+    say('still', name === 'next state' && first === '0' && rested === '0' && slider.value === '1');
+END
+add played.html still.js
+browse probed.html --force-prefers-reduced-motion --dump-dom
+grep -q 'data-still="true"' dom || fail "played.html without motion"
+
 # Tables fit a window and a phone; so does the page.
 cat >narrow.js <<'END'
     for (const details of document.querySelectorAll('details'))
@@ -116,7 +166,7 @@ cat >narrow.js <<'END'
     parent.postMessage(tables.map(t => t.textContent.slice(0, 40)).join() ||
         String(document.documentElement.scrollWidth <= innerWidth), '*');
 END
-for page in solid plane tangled; do
+for page in solid plane tangled played; do
     add $page.html narrow.js
     for width in 390 1280; do
         echo "<body><iframe src=probed.html width=$width height=900></iframe><script>

@@ -159,6 +159,8 @@ static int report_result(const pl_job *job, pl_result *result, const pl_progress
         report = pl_reports_write(arguments, text, result->picture, PL_EXIT_PARTLY);
         free(text);
     }
+    if (!report && result->lacks_history)
+        report = PL_EXIT_PARTLY;
     return pl_flush_stdout(status ? status : report, PL_EXIT_PARTLY);
 }
 

@@ -14,6 +14,7 @@
 #include "job/onto.h"
 #include "job/states.h"
 #include "job/unjoined.h"
+#include "report/history.h"
 #include "report/page.h"
 #include "report/table.h"
 #include "terminal/message.h"
@@ -172,20 +173,34 @@ static int prepare(pl_job *job, pl_result *result, pl_progress *progress) {
     return status;
 }
 
-static int run_sweeps(pl_job *job, pl_result *result, pl_progress *progress) {
+/** Listeners to the sweeps. */
+typedef struct listeners {
+    pl_progress *progress;
+    pl_history *history; /* or NULL */
+} listeners;
+
+/** The callback of the sweeps; user is a listeners. */
+static int tell(const planish_progress *step, void *user) {
+    const listeners *to = user;
+    pl_history_take(to->history, step);
+    return pl_progress_step(step, to->progress);
+}
+
+static int run_sweeps(pl_job *job, pl_result *result, listeners *to) {
     const planish_result *smooth = &result->smooth;
+    const pl_progress *progress = to->progress;
     planish_error error;
     char text[256];
     const double begin = pl_seconds();
     pl_signals_install_stop(); /* before, there is nothing to save: a signal just ends the program
                                 */
-    job->options.progress = pl_progress_step;
-    job->options.progress_user = progress;
+    job->options.progress = tell;
+    job->options.progress_user = to;
     const int code = job->engine->smooth(job, &result->smooth, &error);
     result->smooth_seconds = pl_seconds() - begin;
     if (code)
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
-    pl_progress_clear(progress);
+    pl_progress_clear(to->progress);
     if (progress->out_of_memory) /* no reason to lose the mesh */
         pl_note(stderr,
                 "%s: out of memory for the history of the sweeps; the report lacks some sweeps",
@@ -256,20 +271,33 @@ int pl_steps_check(const pl_job *job) {
     return job->file && !has_smoothed(job) ? complain_of_types(job) : 0;
 }
 
-int pl_steps_smooth(pl_job *job, pl_result *result, pl_progress *progress) {
+/** From the sweeps to the result. */
+static int smooth(pl_job *job, pl_result *result, listeners *to) {
     int status;
-    if ((status = prepare(job, result, progress)))
+    if ((status = run_sweeps(job, result, to)))
         return status;
-    if ((status = run_sweeps(job, result, progress)))
-        return status;
-    pl_progress_stage(progress, PL_STAGE_CHECKING);
+    pl_progress_stage(to->progress, PL_STAGE_CHECKING);
     if ((status = check_result(job, result)))
         return status;
     /* That takes no more memory than it did before the sweeps, and is no reason to lose the mesh. */
     result->lacks_reports =
         take_for_reports(job, "after", &result->validity_after, &result->checksum,
                          &result->worst_after, &result->picture) != 0;
+    if (!result->lacks_reports)
+        result->lacks_history = pl_history_end(to->history, result->picture, &result->smooth) != 0;
     return 0;
+}
+
+int pl_steps_smooth(pl_job *job, pl_result *result, pl_progress *progress) {
+    listeners to = {.progress = progress};
+    int status = prepare(job, result, progress);
+    if (!status)
+        status = pl_history_begin(job, result->picture, &to.history);
+    if (!status)
+        status = smooth(job, result, &to);
+    job->options.progress = NULL; /* the listeners are gone */
+    pl_history_free(to.history);
+    return status;
 }
 
 int pl_steps_compare(pl_job *job, const planish_file *after, pl_result *result,

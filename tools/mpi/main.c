@@ -58,6 +58,9 @@ static start read_arguments(int argc, char **argv, pl_arguments *arguments) {
         s.status = print_version();
     else if (!s.status && !arguments->output)
         s.status = pl_complain_usage("smooth", "planish-mpi smooths one mesh: give -o OUT");
+    else if (!s.status && arguments->history > 0)
+        s.status =
+            pl_complain_usage("smooth", "planish-mpi keeps no --history: run planish smooth");
     else if (!s.status)
         s.status = -1;
     pl_file_status about;

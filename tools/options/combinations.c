@@ -136,6 +136,9 @@ int pl_arguments_check(const pl_arguments *arguments) {
     if (arguments->report && arguments->n_inputs > 1)
         return pl_complain_usage(command, "--report takes one mesh, but %d are named",
                                  arguments->n_inputs);
+    if (arguments->history > 0 && !arguments->report)
+        return pl_complain_usage(command, "--history has no effect without an HTML report: give "
+                                          "--report FILE.html, too");
     if (arguments->json && arguments->n_inputs > 1 && arguments->command == PL_COMMAND_SMOOTH)
         return pl_complain_usage(command, "--json takes one mesh, but %d are named",
                                  arguments->n_inputs);

@@ -547,6 +547,12 @@ static const pl_option option_table[] = {
      "convergence and a picture to FILE.html, - for\n"
      "standard output",
      "file"},
+    {0, "history", "K", SMOOTH, set_integer, AT(history), 3, 100,
+     "must be a whole number from 3 to 100",
+     "with --report: let the HTML report play the smoothing,\n"
+     "as at most K states of the mesh, the first and the\n"
+     "last among them (default: these two alone)",
+     NULL},
     {0, "worst", "N", QUALITY, set_integer, AT(n_worst), 1, INT_MAX,
      "must be a whole number, 1 or more",
      "list the N worst elements, here and in the reports\n"

@@ -60,6 +60,7 @@ typedef struct pl_arguments {
     const char *to;         /* the format of what is converted, or NULL: by its extension */
     const char *json;       /* a path, "-" for standard output, or NULL: no report */
     const char *report;     /* path of the page for people, or NULL: none */
+    int history;            /* states of the mesh that it has at most; 0: before and after */
     int n_worst;            /* elements that --worst lists; 0: not given */
     const char **fix;       /* [n_fix] tags, owned */
     int n_fix;

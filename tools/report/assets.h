@@ -11,8 +11,7 @@ typedef struct pl_asset {
 } pl_asset;
 
 extern const pl_asset pl_asset_page_css;
-extern const pl_asset pl_asset_viewer_data_js;
-extern const pl_asset pl_asset_viewer_js;
+extern const pl_asset pl_asset_viewer_js;   /* viewer/: all files */
 extern const pl_asset pl_asset_three_js;    /* three.min.js */
 extern const pl_asset pl_asset_controls_js; /* OrbitControls.js of three.js */
 extern const pl_asset pl_asset_three_licence;

@@ -81,7 +81,8 @@ int pl_drawn_worse(const pl_drawn_measure *measure, uint8_t a, uint8_t b) {
 /** Measures of simplices: job's mesh, and the ratios that are known. */
 typedef struct simplices {
     const pl_job *job;
-    const double *ratio; /* [n] */
+    const double *ratio;    /* [elements of the mesh] */
+    const int32_t *element; /* [n] or NULL: all */
     pl_drawn_values *values;
 } simplices;
 
@@ -106,9 +107,10 @@ static void measure_simplices(void *context, int64_t begin, int64_t end, int thr
     const int64_t n = s->values->n;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
-        const double *vertex[4];
+        const int64_t element = s->element ? s->element[i] : i;
+        const double *vertex[4], ratio = s->ratio[element];
         int n_corners;
-        const int32_t *node = pl_job_corners(job, i, &n_corners);
+        const int32_t *node = pl_job_corners(job, element, &n_corners);
         for (int m = 0; m < s->values->n_measures; m++)
             s->values->code[m * n + i] = PL_DRAWN_NOTHING;
         if (n_corners != n_vertices) /* an element of another dimension */
@@ -117,26 +119,28 @@ static void measure_simplices(void *context, int64_t begin, int64_t end, int thr
             vertex[k] = job->mesh.coordinates + (int64_t)node[k] * dim;
         const pl_angles angles =
             job->is_surface ? pl_angles_find_in_space(vertex) : pl_angles_find(dim, vertex);
-        const double value[PL_DRAWN_MEASURES] = {s->ratio[i], angles.smallest, angles.largest,
+        const double value[PL_DRAWN_MEASURES] = {ratio, angles.smallest, angles.largest,
                                                  edge_ratio_of(dim, vertex, n_corners)};
         for (int m = 0; m < s->values->n_measures; m++)
             s->values->code[m * n + i] =
-                s->ratio[i] > 0 ? pl_drawn_code(s->values->measure[m], value[m]) : 0;
+                ratio > 0 ? pl_drawn_code(s->values->measure[m], value[m]) : 0;
     }
 }
 
-static int find_of_simplices(const pl_job *job, const double *ratio, pl_drawn_values *values) {
+static int find_of_simplices(const pl_job *job, const int32_t *element, const double *ratio,
+                             pl_drawn_values *values) {
     enum { CHUNK = 4096 };
-    simplices s = {job, ratio, values};
+    simplices s = {job, ratio, element, values};
     pl_parallel_for(pl_thread_count(job->options.threads), values->n, CHUNK, measure_simplices, &s);
     return 0;
 }
 
 /* ---- elements of every type ------------------------------------------------------------------ */
 
-static int find_of_cells(const pl_job *job, double *ratio, pl_drawn_values *values) {
+static int find_of_cells(const pl_job *job, const int32_t *element, double *ratio,
+                         pl_drawn_values *values) {
     planish_error error;
-    const int64_t n = values->n;
+    const int64_t n = job->mesh.n_elements;
     double *more = malloc(2 * ((size_t)n + 1) * sizeof *more);
     uint8_t *state = malloc((size_t)n + 1);
     const planish_cell_values of = {
@@ -145,12 +149,14 @@ static int find_of_cells(const pl_job *job, double *ratio, pl_drawn_values *valu
     int status = more && state ? 0 : pl_job_complain_memory(job, "the picture");
     if (!status && pl_cells_measure_values(job, &of, &error))
         status = pl_job_complain(job, PL_EXIT_FAILED, &error);
-    for (int64_t i = 0; i < n && !status; i++)
+    for (int64_t k = 0; k < values->n && !status; k++) {
+        const int64_t i = element ? element[k] : k;
         for (int m = 0; m < values->n_measures; m++)
-            values->code[m * n + i] = state[i] == PLANISH_CELL_STATE_NONE ? PL_DRAWN_NOTHING
-                                      : ratio[i] > 0
-                                          ? pl_drawn_code(values->measure[m], value[m][i])
-                                          : 0;
+            values->code[m * values->n + k] = state[i] == PLANISH_CELL_STATE_NONE ? PL_DRAWN_NOTHING
+                                              : ratio[i] > 0
+                                                  ? pl_drawn_code(values->measure[m], value[m][i])
+                                                  : 0;
+    }
     free(more);
     free(state);
     return status;
@@ -158,26 +164,33 @@ static int find_of_cells(const pl_job *job, double *ratio, pl_drawn_values *valu
 
 /* ---- both ----------------------------------------------------------------------------------- */
 
-int pl_drawn_values_find(const pl_job *job, pl_drawn_values *values) {
+int pl_drawn_measures(const pl_job *job, const pl_drawn_measure *measure[PL_DRAWN_MEASURES]) {
+    static const pl_drawn_measure *const of_cells[] = {&aspect_ratio, &scaled_jacobian,
+                                                       &edge_ratio},
+                                         *const of_simplices[] = {&radius_ratio, &smallest_angle,
+                                                                  &largest_angle, &edge_ratio};
+    const int n = job->has_types ? 3 : 4;
+    for (int m = 0; m < n; m++)
+        measure[m] = job->has_types ? of_cells[m] : of_simplices[m];
+    return n;
+}
+
+int pl_drawn_values_find(const pl_job *job, const int32_t *element, int64_t n,
+                         pl_drawn_values *values) {
     planish_error error;
-    const size_t n = (size_t)job->mesh.n_elements;
     int status = 0;
-    if (job->has_types)
-        *values = (pl_drawn_values){{&aspect_ratio, &scaled_jacobian, &edge_ratio}, 3, 0, NULL};
-    else
-        *values = (pl_drawn_values){
-            {&radius_ratio, &smallest_angle, &largest_angle, &edge_ratio}, 4, 0, NULL};
-    values->n = (int64_t)n;
-    values->code = malloc((size_t)values->n_measures * n + 1);
-    double *ratio = malloc((n + 1) * sizeof *ratio);
+    *values = (pl_drawn_values){.n = n};
+    values->n_measures = pl_drawn_measures(job, values->measure);
+    values->code = malloc((size_t)(values->n_measures * n) + 1);
+    double *ratio = malloc(((size_t)job->mesh.n_elements + 1) * sizeof *ratio);
     if (!values->code || !ratio)
         status = pl_job_complain_memory(job, "the picture");
     else if (job->has_types)
-        status = find_of_cells(job, ratio, values);
+        status = find_of_cells(job, element, ratio, values);
     else if (pl_cells_measure_elements(job, ratio, &error))
         status = pl_job_complain(job, PL_EXIT_FAILED, &error);
     else
-        status = find_of_simplices(job, ratio, values);
+        status = find_of_simplices(job, element, ratio, values);
     free(ratio);
     return status;
 }

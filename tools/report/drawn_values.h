@@ -3,7 +3,8 @@
  * A measure has bins, as its histogram has, and each bin has equally many codes. So a range of bins is a
  * range of codes, and the picture selects the elements that the histogram counts.
  *
- *     pl_drawn_values_find, _free    codes of all elements
+ *     pl_drawn_measures              the measures of a mesh
+ *     pl_drawn_values_find, _free    codes of elements
  *     pl_drawn_code, _worse          a value as a code, and which of two codes is worse
  *     pl_drawn_class                 the colour of a code
  */
@@ -31,17 +32,21 @@ typedef struct pl_drawn_measure {
     double limit[PL_DRAWN_CLASSES - 1]; /* between the colours, from good to bad */
 } pl_drawn_measure;
 
-/** Codes of all elements of a mesh. */
+/** Codes of elements of a mesh. */
 typedef struct pl_drawn_values {
-    const pl_drawn_measure *measure[PL_DRAWN_MEASURES]; /* [n_measures] the first is the ratio */
+    const pl_drawn_measure *measure[PL_DRAWN_MEASURES]; /* [n_measures] */
     int n_measures;
     int64_t n;     /* elements */
     uint8_t *code; /* [n_measures][n] owned */
 } pl_drawn_values;
 
-/** Measure the elements of job's mesh as it is now. values is to be freed also after a failure. Returns
- *  0, or an exit status after a message. */
-int pl_drawn_values_find(const pl_job *job, pl_drawn_values *values);
+/** Set measure to those of job's mesh, the ratio first; returns how many there are. */
+int pl_drawn_measures(const pl_job *job, const pl_drawn_measure *measure[PL_DRAWN_MEASURES]);
+
+/** Measure element [n] of job's mesh as it is now; NULL: all, which are n. values is to be freed also after a
+ *  failure. Returns 0, or an exit status after a message. */
+int pl_drawn_values_find(const pl_job *job, const int32_t *element, int64_t n,
+                         pl_drawn_values *values);
 
 /** Return the code of a value; 0 if it is not a number. */
 uint8_t pl_drawn_code(const pl_drawn_measure *measure, double value);

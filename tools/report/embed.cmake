@@ -1,17 +1,18 @@
 # embed: make a C file of other files: each becomes the bytes of a pl_asset (assets.h).
 #
-#   cmake -DOUT=assets.c -DASSETS=name=path;name=path;... -P embed.cmake
+#   cmake -DOUT=assets.c -DASSETS=name=path;name=path|path;... -P embed.cmake
 #
-# An asset without a path is empty.
+# An asset is the bytes of its files, one after another; without a path it is empty.
 set(text "#include \"report/assets.h\"\n")
 foreach(asset IN LISTS ASSETS)
   string(REGEX MATCH "^([^=]*)=(.*)$" unused "${asset}")
   set(name "${CMAKE_MATCH_1}")
-  set(path "${CMAKE_MATCH_2}")
+  string(REPLACE "|" ";" paths "${CMAKE_MATCH_2}")
   set(hex "")
-  if(path)
-    file(READ "${path}" hex HEX)
-  endif()
+  foreach(path IN LISTS paths)
+    file(READ "${path}" one HEX)
+    string(APPEND hex "${one}")
+  endforeach()
   string(LENGTH "${hex}" size)
   math(EXPR size "${size} / 2")
   string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${hex}")

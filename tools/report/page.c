@@ -279,6 +279,39 @@ static void put_view(pl_markup *page, const pl_figures *figures, const pl_pictur
     pl_markup_put(page, "</figcaption></figure>\n");
 }
 
+/** Put what the steps between before and after show. */
+static void put_help_of_steps(pl_markup *page, const pl_picture *picture) {
+    const int64_t n_bad = pl_picture_brief_bad(picture);
+    int n_sweeps;
+    const int n = pl_picture_n_steps(picture, &n_sweeps);
+    if (n == 0)
+        return;
+    pl_markup_put(
+        page,
+        "<p>Play shows the mesh after %d of the %d sweeps, in place of the mesh after all "
+        "of them. Space does so, too, when the picture is chosen.",
+        n, n_sweeps);
+    if (n_bad > 0)
+        pl_markup_put(page, " After each sweep it draws the %d worst elements%s.", (int)n_bad,
+                      pl_picture_stride(picture) > 1 ? ", and no colours on a cut" : "");
+    pl_markup_put(page, "</p>");
+}
+
+/** Put the controls that play the steps. */
+static void put_play(pl_markup *page, const pl_picture *picture) {
+    int n_sweeps;
+    const int n = pl_picture_n_steps(picture, &n_sweeps);
+    if (n == 0)
+        return;
+    pl_markup_put(
+        page,
+        "<div class=\"controls\" role=\"group\" aria-label=\"the mesh from sweep to sweep\" "
+        "hidden>\n<button type=\"button\" class=\"play\">play</button>\n<label>state "
+        "<input type=\"range\" class=\"step\" min=\"0\" max=\"%d\" value=\"%d\"> "
+        "<output class=\"step-text\"></output></label>\n</div>\n",
+        n + 1, n + 1);
+}
+
 static void put_help(pl_markup *page, const pl_figures *figures, const pl_picture *picture) {
     int64_t n_all, n_drawn;
     pl_markup_put(page, "<details class=\"help\" hidden><summary>How to use the picture</summary>"
@@ -293,6 +326,7 @@ static void put_help(pl_markup *page, const pl_figures *figures, const pl_pictur
               "screen tap it first, then move and zoom it with fingers. Keys: arrows, + "
               "and \xE2\x88\x92; 0 shows all.");
     pl_markup_put(page, " Drag over a histogram to see its elements here.</p>");
+    put_help_of_steps(page, picture);
     pl_markup_put(page, "<p>");
     if (pl_figures_have_mids(figures))
         pl_markup_put(page, "The picture has no mid-side nodes. ");
@@ -350,6 +384,7 @@ static void put_controls(pl_markup *page, const pl_picture *picture) {
 static void put_views(pl_markup *page, const pl_figures *figures, const pl_picture *picture) {
     put_controls(page, picture);
     put_view(page, figures, picture);
+    put_play(page, picture);
     pl_markup_put(page, "<p class=\"colours\" hidden></p>\n");
     put_help(page, figures, picture);
     pl_markup_put(page, "<script type=\"application/json\" id=\"picture-data\">\n");
@@ -385,8 +420,6 @@ static void put_viewer(pl_markup *page, const pl_picture *picture) {
     pl_markup_put(page, "\n</script>\n<script>\n");
     put_asset(page, &pl_asset_controls_js);
     pl_markup_put(page, "\n</script>\n<script>\n");
-    put_asset(page, &pl_asset_viewer_data_js);
-    pl_markup_put(page, "</script>\n<script>\n");
     put_asset(page, &pl_asset_viewer_js);
     pl_markup_put(page, "</script>\n");
 }

@@ -1,12 +1,12 @@
 /* picture: what a page draws of a mesh: its surface (in 2-D: its elements) and its worst elements,
- * in one or two states, as data for viewer.js.
+ * in one or two states, as data for the viewer.
  *
  * A surface of many triangles is drawn coarsely, so that a page stays small whatever the mesh:
  * nodes that lie in one cell of a grid become one.
  *
  *     pl_picture_begin, _take, _free           a mesh, and its states
  *     pl_picture_fits, _n_states, _count       questions about it
- *     pl_picture_put, _put_still               the data for viewer.js; a picture without it
+ *     pl_picture_put, _put_still               the data for viewer/; a picture without it
  */
 #ifndef PL_REPORT_PICTURE_H
 #define PL_REPORT_PICTURE_H
@@ -40,7 +40,13 @@ int64_t pl_picture_stride(const pl_picture *picture);
 int pl_picture_n_states(const pl_picture *picture);
 const char *pl_picture_state_name(const pl_picture *picture, int i);
 
-/** Add what viewer.js draws, as JSON. */
+/** How many states between these the picture shows, of *n_sweeps sweeps (history.h). */
+int pl_picture_n_steps(const pl_picture *picture, int *n_sweeps);
+
+/** How many bad elements each of them has; 0: all elements. */
+int64_t pl_picture_brief_bad(const pl_picture *picture);
+
+/** Add what the viewer draws, as JSON. */
 void pl_picture_put(pl_markup *page, const pl_picture *picture);
 
 /** Add state i as a still picture under a title. */

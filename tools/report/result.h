@@ -1,18 +1,14 @@
 /* result: the findings of a run, and its report as JSON.
  *
  *     pl_result, pl_result_smooth_json      of smooth
- *     pl_measured, pl_quality_report_*      of quality, mesh by mesh
+ *     pl_quality_report_*                   of quality, mesh by mesh (measured.h)
  */
 #ifndef PL_TOOLS_RESULT_H
 #define PL_TOOLS_RESULT_H
 
-#include "job/cells.h"
-#include "job/curved.h"
-#include "job/job.h"
 #include "job/progress.h"
+#include "report/measured.h"
 #include "report/picture.h"
-#include "job/states.h"
-#include "job/worst.h"
 
 /** Everything that smooth can say about a run. */
 typedef struct pl_result {
@@ -30,6 +26,7 @@ typedef struct pl_result {
     pl_surface_state surface;
     planish_result smooth;
     double smooth_seconds, write_seconds, total_seconds;
+    int lacks_history; /* of the page: a message has said why */
     int lacks_reports; /* there was no memory for what reports need */
     char reason[1024]; /* why the end is not the plain one, or "" */
 } pl_result;
@@ -40,16 +37,6 @@ int pl_result_has_optimality(const pl_job *job);
 /** The report of smooth as JSON text, to be released by free; NULL without memory. */
 char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
                             const pl_progress *progress);
-
-/** Findings of the command quality on a mesh. */
-typedef struct pl_measured {
-    planish_quality quality; /* of the straight simplices */
-    pl_cells cells;          /* where there are others: of all elements */
-    pl_volumes volumes;
-    uint8_t *reversed; /* [mesh.n_elements] as of pl_reversed_find, owned, or NULL */
-    pl_worst worst;
-    pl_surface_state surface;
-} pl_measured;
 
 struct cJSON;
 

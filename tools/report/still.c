@@ -9,7 +9,7 @@
 enum { WIDTH = 300, HEIGHT = 225, N_PIXELS = WIDTH * HEIGHT };
 enum { NO_COLOUR = 255, N_COLOURS = PL_STILL_CLASSES + 1 + PL_STILL_SHADES };
 
-/* Those of viewer_data.js, and of a surface in the light of the camera. */
+/* Those of viewer/data.js, and of a surface in the light of the camera. */
 static const char *const colours[N_COLOURS] = {
     "#e6eef6", "#bcd5ea", "#86b6da", "#fde6a9", "#fdbb63", "#f5853f", "#dd3d2d", "#8f0d1d",
     "#d600c8", "#5f6b75", "#717e89", "#83919d", "#95a4b0", "#a7b6c3", "#b8c7d4"};
@@ -23,7 +23,7 @@ struct pl_still {
     float *depth;      /* [N_PIXELS] */
 };
 
-/* As in viewer.js. */
+/* As in viewer/camera.js. */
 static const double HALF_FIELD_OF_VIEW = 17.5 / 57.295779513082320877;
 
 static void turn_camera(pl_still *still, const double extent[3]) {

@@ -14,6 +14,7 @@ Reserved3 = Annotated[Any, c_void_p * 3]
 Reserved4 = Annotated[Any, c_void_p * 4]
 Reserved6 = Annotated[Any, c_void_p * 6]
 Reserved8 = Annotated[Any, c_void_p * 8]
+Numbers2 = Annotated[Any, c_int64 * 2]
 Numbers3 = Annotated[Any, c_int64 * 3]
 Numbers7 = Annotated[Any, c_int64 * 7]
 Vector = Annotated[Any, c_double * 3]
@@ -131,7 +132,8 @@ class Progress(Structure):
     seconds: Double
     elapsed: Double
     colour_visits: Int64
-    reserved: Numbers3
+    _positions: Pointer
+    reserved: Numbers2
 
 
 PROGRESS = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.POINTER(Progress), c_void_p)

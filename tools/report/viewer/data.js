@@ -1,11 +1,9 @@
-/* viewer_data: the picture of the mesh (picture.c), unpacked for viewer.js: places, elements, and the
- * measures that colour them. */
+/* data: the picture of the mesh (picture.c), unpacked: places, elements, and the measures that colour
+ * them. */
 const planishData = (function () {
 'use strict';
 
 const source = document.getElementById('picture-data');
-if (!source)
-    return null;
 
 /* From good to bad, told apart by lightness, too. */
 const COLOURS = ['#e6eef6', '#bcd5ea', '#86b6da', '#fde6a9', '#fdbb63', '#f5853f', '#dd3d2d', '#8f0d1d'];
@@ -47,18 +45,39 @@ function elements(sizes, corners, codes) {
     return {n: sizes.length, sizes: sizes, first: first, corners: corners, codes: codes};
 }
 
+/** Corners that are floats, three numbers each. */
+function cornersOf(base64) {
+    const flat = new Float32Array(bytesOf(base64).buffer);
+    const corners = new Float32Array(flat.length / dim * 3);
+    for (let i = 0; i < flat.length; i++)
+        corners[Math.floor(i / dim) * 3 + i % dim] = flat[i];
+    return corners;
+}
+
 /** The worst elements of a state. */
 function badOf(state) {
     const ratios = new Float32Array(bytesOf(state.bad_ratios).buffer);
     const sizes = state.sizes ? bytesOf(state.sizes)
         : new Uint8Array(ratios.length).fill(dim + 1);
-    const flat = new Float32Array(bytesOf(state.corners).buffer);
-    const corners = new Float32Array(flat.length / dim * 3);
-    for (let i = 0; i < flat.length; i++)
-        corners[Math.floor(i / dim) * 3 + i % dim] = flat[i];
+    const corners = state.places !== undefined ? placesOf(state.places) : cornersOf(state.corners);
     const bad = elements(sizes, corners, bytesOf(state.bad_codes));
     bad.ratios = ratios;
     return bad;
+}
+
+/** Elements of a set, the worst first by the codes of their ratios, with these. */
+function worstFirst(set) {
+    const {codes, sizes, n} = set, rank = code => code === 0 ? picture.codes + 1 : code;
+    const order = Uint32Array.from(sizes.keys()).sort((i, j) => rank(codes[j]) - rank(codes[i]) || i - j);
+    const sorted = elements(Uint8Array.from(order, i => sizes[i]), new Float32Array(set.corners.length),
+        new Uint8Array(codes.length));
+    order.forEach((i, k) => {
+        sorted.corners.set(set.corners.subarray(3 * set.first[i], 3 * set.first[i + 1]), 3 * sorted.first[k]);
+        for (let m = 0; m < measures.length; m++)
+            sorted.codes[m * n + k] = codes[m * n + i];
+    });
+    sorted.ratios = Float32Array.from(order, i => measures[0].value[codes[i]]);
+    return sorted;
 }
 
 /** The elements inside a state, or a sample of them. */
@@ -75,12 +94,14 @@ function insideOf(state) {
 }
 
 function stateOf(state, first) {
+    const inside = state.inside !== undefined ? insideOf(state) : null;
     return {
         name: state.name,
+        sweep: state.sweep, /* of a step between before and after */
         points: state.points ? placesOf(state.points) : first.points,
         codes: state.codes ? bytesOf(state.codes) : null, /* of triangles */
-        bad: badOf(state),
-        inside: state.inside !== undefined ? insideOf(state) : null,
+        bad: state.bad_codes !== undefined ? badOf(state) : worstFirst(inside),
+        inside: inside,
         cubes: state.cubes ? bytesOf(state.cubes) : null,
         inverted: state.inverted
     };
@@ -105,13 +126,16 @@ function measureOf(measure) {
         range: (from, to) => [1 + from * codes, to >= n ? picture.codes : to * codes]}, measure);
 }
 
-const states = [];
+const measures = picture.measures.map(measureOf), states = [];
 for (const state of picture.states)
     states.push(stateOf(state, states[0]));
+const steps = (picture.steps || []).map(step => stateOf(step, states[0]));
 return {
-    picture: picture, dim: dim, extent: extent, size: size, states: states,
+    picture: picture, dim: dim, extent: extent, size: size, states: states, steps: steps,
+    isFlat: dim === 2 || picture.flat === true, /* all elements are drawn, in colours */
+    isComplete: picture.stride === 1,           /* all elements inside are known */
     COLOURS: COLOURS, INVERTED: INVERTED, NOTHING: NOTHING,
-    measures: picture.measures.map(measureOf),
+    measures: measures,
     triangles: numbersOf(picture.triangles, picture.index_bits),
     sides: picture.sides ? bytesOf(picture.sides) : null, /* bit j: side j is an edge */
     features: picture.features !== undefined ? numbersOf(picture.features, picture.index_bits) : null,
