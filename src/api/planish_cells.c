@@ -263,13 +263,15 @@ int planish_measure_cells(const planish_mesh *mesh, double rounding, int threads
                        "elements of any type are measured in the whole mesh, not in a part of it");
     if (!(rounding >= 0))
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "rounding is %g; give 0 or more", rounding);
-    if (threads < 0 || threads > PL_MAX_THREADS)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "threads is %d; give 1 to %d, or 0 for as many as OpenMP would use", threads,
-                       PL_MAX_THREADS);
+    int status = pl_check_threads(threads, error);
+    if (!status && values)
+        status = pl_check_reserved("planish_cell_values", values->reserved, sizeof values->reserved,
+                                   error);
+    if (status)
+        return status;
     const pl_outside outside = pl_call_enter(NULL);
     c.threads = pl_thread_count(threads);
-    int status = take_mesh(mesh, &c, error);
+    status = take_mesh(mesh, &c, error);
     if (!status)
         mesh = pl_drop_targets(mesh, &without_targets);
     if (!status)

@@ -113,9 +113,10 @@ int planish_fit_create(const planish_mesh *mesh, const planish_shape *shape,
                        planish_fit **out, planish_fit_info *info, planish_error *error) {
     planish_options defaults;
     planish_fit_info found = {0};
+    if (out)
+        *out = NULL;
     if (!mesh || !shape || !onto || !out)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "mesh, shape, onto and fit must not be NULL");
-    *out = NULL;
     planish_options_init(&defaults);
     options = options ? options : &defaults;
     int status = pl_options_check(options, error);
@@ -256,6 +257,7 @@ static void set_options(moving *m) {
     options->max_sweeps = SWEEPS;
     options->only_worse_than = 0;
     options->around = NULL;
+    options->n_around = 0;
 }
 
 /** Copy what is moved. Errors: _MEMORY. */

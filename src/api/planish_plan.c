@@ -102,6 +102,8 @@ static int create_plan(const planish_mesh *mesh, const planish_options *options,
 int planish_plan_create(const planish_mesh *mesh, const planish_options *options,
                         planish_plan **out, planish_error *error) {
     planish_options defaults;
+    if (out)
+        *out = NULL;
     if (!mesh || !out)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "mesh and plan must not be NULL");
     planish_options_init(&defaults);

@@ -28,14 +28,6 @@ typedef struct shape_call {
     const planish_cells *cells; /* that facets are of; NULL: simplices */
 } shape_call;
 
-static int check_threads(int threads, planish_error *error) {
-    if (threads < 0 || threads > PL_MAX_THREADS)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "threads is %d; give 1 to %d, or 0 for as many as OpenMP would use", threads,
-                       PL_MAX_THREADS);
-    return PLANISH_OK;
-}
-
 /** Whether a mesh in space is a surface. */
 static int is_surface_mesh(const planish_mesh *mesh) {
     return mesh && mesh->dim == 3 && mesh->cells && mesh->cells->type &&
@@ -46,7 +38,7 @@ static int is_surface_mesh(const planish_mesh *mesh) {
  *  a surface itself, whose elements are call->cells alone. */
 static int begin_call(const planish_mesh *mesh, int threads, int takes_surfaces, shape_call *call,
                       planish_error *error) {
-    int status = check_threads(threads, error);
+    int status = pl_check_threads(threads, error);
     if (status)
         return status;
     call->mesh = mesh;
@@ -110,7 +102,7 @@ static int find_layers_of_cells(const planish_mesh *mesh, int threads, uint8_t *
                                 int64_t *n_layer, planish_error *error) {
     cells_call c = {.thinness = NULL};
     int64_t n_thin = 0;
-    int status = check_threads(threads, error);
+    int status = pl_check_threads(threads, error);
     if (status)
         return status;
     threads = pl_thread_count(threads);
@@ -318,7 +310,9 @@ static int check_tags(const planish_mesh *mesh, const planish_surface *tags, pla
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "surface.tolerance is %g; give 0 to %g of the diagonal of the bounding box",
                        tags->tolerance, LARGEST_TOLERANCE);
-    const int status = check_facets(mesh, tags, error);
+    int status = pl_check_reserved("planish_surface", tags->reserved, sizeof tags->reserved, error);
+    if (!status)
+        status = check_facets(mesh, tags, error);
     return status ? status : check_nodes(mesh, tags->edges, tags->n_edges * 2, "edges", error);
 }
 
@@ -433,7 +427,7 @@ void planish_shape_get_classes(const planish_shape *shape, uint8_t *node_class) 
     static const uint8_t CLASS[] = {[PL_CORNER] = PLANISH_SHAPE_CORNER,
                                     [PL_ON_PATCH] = PLANISH_SHAPE_PATCH,
                                     [PL_ON_CURVE] = PLANISH_SHAPE_CURVE};
-    for (int64_t i = 0; i < shape->n_mesh; i++)
+    for (int64_t i = 0; shape && node_class && i < shape->n_mesh; i++)
         node_class[i] =
             shape->number[i] < 0 ? PLANISH_SHAPE_NONE : CLASS[shape->node_class[shape->number[i]]];
 }
@@ -499,7 +493,7 @@ int planish_measure_shape(const planish_shape *shape, const planish_mesh *mesh, 
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "shape and distance must not be NULL");
     int status = pl_check_nodes(mesh, error);
     if (!status)
-        status = check_threads(threads, error);
+        status = pl_check_threads(threads, error);
     if (status)
         return status;
     if (mesh->dim != 3 || mesh->n_nodes != shape->n_mesh)

@@ -28,17 +28,16 @@ static void release(sizes_call *c) {
 
 /** Check the mesh, and take its corners and coordinates. */
 static int take_mesh(const planish_mesh *mesh, int threads, sizes_call *c, planish_error *error) {
-    if (threads < 0 || threads > PL_MAX_THREADS)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "threads is %d; give 1 to %d, or 0 for as many as OpenMP would use", threads,
-                       PL_MAX_THREADS);
+    int status = pl_check_threads(threads, error);
+    if (status)
+        return status;
     if (mesh->part)
         return pl_fail(error, PLANISH_ERROR_PARTS,
                        "sizes of elements are found in the whole mesh, not in a part of it");
     c->threads = pl_thread_count(threads);
     c->mesh = *mesh;
     c->mesh.is_layer = NULL;
-    int status = pl_dense_create(&c->mesh, c->threads, &c->dense, error);
+    status = pl_dense_create(&c->mesh, c->threads, &c->dense, error);
     if (status)
         return status;
     c->corners = (pl_sized_corners){.dim = mesh->dim,

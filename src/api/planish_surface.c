@@ -108,21 +108,21 @@ int planish_smooth_surface(const planish_mesh *mesh, double *coordinates,
     int status = pl_options_check(options, error);
     if (status)
         return status;
-    const int threads = pl_thread_count(options->threads);
     const pl_outside outside = pl_call_enter(NULL);
-    pl_surface_run r = {.mesh = mesh,
-                        .coordinates = coordinates,
-                        .options = options,
-                        .result = &found,
-                        .threads = threads,
-                        .start_seconds = pl_seconds()};
-    status = check_mesh(mesh, threads, error);
-    pl_context *context = status ? NULL : pl_context_create(options);
-    if (!status && !context)
+    pl_context *context = pl_context_create(options);
+    if (!context)
         status = pl_fail_memory(error, "the surface of a mesh");
     if (!status) {
         pl_context *before = pl_context_enter(context);
-        status = smooth(&r, error);
+        pl_surface_run r = {.mesh = mesh,
+                            .coordinates = coordinates,
+                            .options = options,
+                            .result = &found,
+                            .threads = pl_thread_count(options->threads),
+                            .start_seconds = pl_seconds()};
+        status = check_mesh(mesh, r.threads, error);
+        if (!status)
+            status = smooth(&r, error);
         pl_context_enter(before);
     }
     pl_context_destroy(context);
@@ -139,13 +139,15 @@ int planish_measure_surface(const planish_shape *shape, const planish_mesh *mesh
                             const planish_cell_values *values, planish_error *error) {
     if (!shape || !mesh || !quality)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "shape, mesh and quality must not be NULL");
-    if (threads < 0 || threads > PL_MAX_THREADS)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "threads is %d; give 1 to %d, or 0 for as many as OpenMP would use", threads,
-                       PL_MAX_THREADS);
+    int status = pl_check_threads(threads, error);
+    if (!status && values)
+        status = pl_check_reserved("planish_cell_values", values->reserved, sizeof values->reserved,
+                                   error);
+    if (status)
+        return status;
     threads = pl_thread_count(threads);
     const pl_outside outside = pl_call_enter(NULL);
-    int status = check_mesh(mesh, threads, error);
+    status = check_mesh(mesh, threads, error);
     if (!status && shape->n_mesh != mesh->n_nodes)
         status = pl_fail(error, PLANISH_ERROR_ARGUMENT,
                          "shape was made of a mesh of %lld nodes, mesh has %lld; make it of this "

@@ -1,6 +1,7 @@
 /* status: fill in a planish_error in one line. */
 #include "base/status.h"
 
+#include "base/parallel.h"
 #include "base/system.h"
 
 #include <errno.h>
@@ -59,4 +60,23 @@ int pl_fail_errno(planish_error *error, const char *path, const char *what) {
         return pl_fail_memory(error, path);
     pl_system_explain(number, text, sizeof text);
     return pl_fail(error, PLANISH_ERROR_FILE, "%s: %s: %s", path, what, text);
+}
+
+int pl_check_reserved(const char *name, const void *reserved, size_t size, planish_error *error) {
+    const unsigned char *byte = reserved;
+    for (size_t i = 0; i < size; i++)
+        if (byte[i])
+            return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                           "%s.reserved is not 0: zero the structure before you fill it in, with "
+                           "the header of the library that is linked",
+                           name);
+    return PLANISH_OK;
+}
+
+int pl_check_threads(int threads, planish_error *error) {
+    if (threads < 0 || threads > PL_MAX_THREADS)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "threads is %d; give 1 to %d, or 0 for as many as OpenMP would use", threads,
+                       PL_MAX_THREADS);
+    return PLANISH_OK;
 }

@@ -1,7 +1,8 @@
-/* status: fill in a planish_error in one line.
+/* status: fill in a planish_error in one line; checks that many public functions share.
  *
  *   pl_fail, pl_fail_at            any error; an error at an element or node
  *   pl_fail_memory, pl_fail_errno  a failed allocation; a failed operation on a file
+ *   pl_check_reserved, pl_check_threads    what callers of many functions give
  */
 #ifndef PL_BASE_STATUS_H
 #define PL_BASE_STATUS_H
@@ -31,5 +32,12 @@ static inline int pl_fail_memory(planish_error *error, const char *what) {
 /** Fill *error from errno after an operation (what) on the file at path has failed; returns the
  *  code. */
 int pl_fail_errno(planish_error *error, const char *path, const char *what);
+
+/** Check that the reserved fields of a structure, of size bytes, are 0, so that later versions can give
+ *  them a meaning. Errors: _ARGUMENT, with the structure's name. */
+int pl_check_reserved(const char *name, const void *reserved, size_t size, planish_error *error);
+
+/** Check a number of threads, 0 .. PL_MAX_THREADS (parallel.h). Errors: _ARGUMENT. */
+int pl_check_threads(int threads, planish_error *error);
 
 #endif

@@ -13,8 +13,7 @@
  *   here               what patches are made of, and their state
  *   joint_create.h     pl_joint_create, _destroy     input of all patches of a run, memory for them
  *   joint_measures.h   pl_joint_value, _value_of     measures of elements, and their limits
- *   joint_patch.h      pl_joint_seed                 a patch around an element
- *                      pl_joint_pin, _compare        elements at their limits
+ *   joint_patch.h      pl_joint_seed, _compare       a patch around an element; elements at their limits
  *   joint_steps.h      pl_joint_improve              steps of a patch
  */
 #ifndef PL_IMPROVE_JOINT_H

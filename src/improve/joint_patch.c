@@ -8,7 +8,8 @@
 
 /* ---- elements at their limits --------------------------------------------------------------- */
 
-pl_joint_pinned pl_joint_pin(const pl_joint *joint, const pl_joint_element *e) {
+/** Return the element as one that is at its limit. */
+static pl_joint_pinned pin(const pl_joint *joint, const pl_joint_element *e) {
     pl_joint_pinned pinned = {.value = pl_joint_value(joint, e)};
     for (int n = 0; n <= joint->run->plan->dim; n++) {
         const int64_t number = joint->mesh.number[e->node[n]];
@@ -32,7 +33,7 @@ int pl_joint_compare(const void *a, const void *b) {
 static const pl_joint_pinned *find_pinned(const pl_joint *joint, const pl_joint_element *e) {
     if (joint->n_pinned == 0)
         return NULL;
-    const pl_joint_pinned key = pl_joint_pin(joint, e);
+    const pl_joint_pinned key = pin(joint, e);
     return bsearch(&key, joint->pinned, (size_t)joint->n_pinned, sizeof key, pl_joint_compare);
 }
 
@@ -87,7 +88,7 @@ int pl_joint_seed(const pl_joint *joint, const int32_t *node, pl_joint_patch *pa
         if (!has_nodes(&patch->seed, node, dim))
             continue;
         patch->n = pl_joint_movable_nodes(joint, &patch->seed, patch->node);
-        patch->of = pl_joint_pin(joint, &patch->seed);
+        patch->of = pin(joint, &patch->seed);
         patch->value = patch->of.value;
         return patch->value < joint->wanted && !find_pinned(joint, &patch->seed);
     }

@@ -42,14 +42,10 @@ typedef struct pl_joint_room {
     pl_maxmin problem;
     double x[PL_JOINT_VARIABLES], multiplier[PL_JOINT_VARIABLES + 1];
     int active[PL_JOINT_VARIABLES + 1];
-    double room[2 * (PL_JOINT_VARIABLES + 1) * (PL_JOINT_VARIABLES + 1) +
-                5 * (PL_JOINT_VARIABLES + 1)];
+    double room[PL_MAXMIN_ROOM(PL_JOINT_VARIABLES)];
 } pl_joint_room;
 
-/** Return the element as one that is at its limit. */
-pl_joint_pinned pl_joint_pin(const pl_joint *joint, const pl_joint_element *element);
-
-/** Compare the nodes of two such elements a and b, for qsort. */
+/** Compare the nodes of two elements a and b that are at their limits (pl_joint_pinned), for qsort. */
 int pl_joint_compare(const void *a, const void *b);
 
 /** Set patch to one of the movable nodes of the element with vertices node [dim + 1]; the star of the

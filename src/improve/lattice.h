@@ -26,8 +26,7 @@
 
 enum {
     PL_LATTICE_LEVELS = 24,
-    PL_LATTICE_BLOCKS = 8, /* of a vertex with itself and those at offsets 0 or 1: at most, */
-    PL_LATTICE_BLOCK = 9   /* entries of each, by rows: at most */
+    PL_LATTICE_BLOCK = 9 /* entries of the block of two vertices, by rows: at most */
 };
 
 /** Freedom of a node. */

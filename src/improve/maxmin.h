@@ -8,7 +8,7 @@
  * there, takes in the row that is violated most, and drops rows whose multiplier becomes 0. Serial; the
  * same bits everywhere.
  *
- *   pl_maxmin_size      memory that a problem needs
+ *   PL_MAXMIN_ROOM      memory that a problem needs
  *   pl_maxmin_solve     the step
  */
 #ifndef PL_IMPROVE_MAXMIN_H
@@ -17,6 +17,9 @@
 #include <stdint.h>
 
 enum { PL_MAXMIN_BLOCKS = 4 };
+
+/* Doubles of room for n variables. */
+#define PL_MAXMIN_ROOM(n) (2 * ((n) + 1) * ((n) + 1) + 5 * ((n) + 1))
 
 /** A row. g has at most PL_MAXMIN_BLOCKS blocks of three entries that are not 0. */
 typedef struct pl_maxmin_row {
@@ -34,7 +37,7 @@ typedef struct pl_maxmin {
     int m; /* rows */
     const pl_maxmin_row *row;
     double reach, spread, target;
-    double *room;       /* [pl_maxmin_size(n)] */
+    double *room;       /* [PL_MAXMIN_ROOM(n)] */
     double *x;          /* [n] result: the step, */
     double t;           /* the least raised row there, */
     int n_active;       /* the rows that hold it back, */
@@ -42,12 +45,6 @@ typedef struct pl_maxmin {
     double *multiplier; /* [n + 1] above 0, of each */
     int64_t work;       /* of the solutions so far: multiplications, roughly */
 } pl_maxmin;
-
-/** Doubles of room for n variables. */
-static inline int64_t pl_maxmin_size(int64_t n) {
-    const int64_t k = n + 1;
-    return 2 * k * k + 5 * k;
-}
 
 /** Solve the problem. Return 0 if rounding left rows violated; the step may still be a good one. */
 int pl_maxmin_solve(pl_maxmin *p);

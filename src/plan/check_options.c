@@ -66,7 +66,10 @@ int pl_options_check(const planish_options *options, planish_error *error) {
                        "options.struct_size is %zu, not %zu: call planish_options_init first, "
                        "with the header of the library that is linked",
                        options->struct_size, sizeof *options);
-    const int status = check_ranges(options, error);
+    int status =
+        pl_check_reserved("planish_options", options->reserved, sizeof options->reserved, error);
+    if (!status)
+        status = check_ranges(options, error);
     if (status)
         return status;
     if (options->worst != PLANISH_WORST_NONE && options->method != PLANISH_METHOD_PLANISH)

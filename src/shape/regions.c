@@ -146,6 +146,10 @@ int pl_check_cell_arrays(const planish_cell_array *arrays, int n_arrays, int64_t
             return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                            "array %d: its type is %d, which is not a planish_number", i,
                            (int)arrays[i].type);
+        const int status = pl_check_reserved("planish_cell_array", arrays[i].reserved,
+                                             sizeof arrays[i].reserved, error);
+        if (status)
+            return status;
     }
     return PLANISH_OK;
 }

@@ -297,20 +297,6 @@ void pl_row_coefficients(const pl_row_rule *rule, const double *x, double sign,
         coefficients[c] = sum[c].D0 * jacobian->factor[c] / rule->unit * sign;
 }
 
-void pl_rows_halve(const pl_row_rule *rule, int simplex, int half, int n,
-                   double (*whole)[PL_JACOBIAN_COEFFICIENTS],
-                   double (*to)[PL_JACOBIAN_COEFFICIENTS]) {
-    const pl_jacobian_rule *jacobian = &rule->jacobian;
-    const double part = ldexp(1, -jacobian->half_shift[simplex]);
-    for (int f = 0; f < n; f++) {
-        memset(to[f], 0, sizeof to[f]);
-        for (int t = 0; t < jacobian->n_half_terms[simplex][half]; t++) {
-            const pl_jacobian_term *term = &jacobian->half_term[simplex][half][t];
-            to[f][term->to] += part * term->weight * whole[f][term->from];
-        }
-    }
-}
-
 /* ---- marked elements of a plan -------------------------------------------------------------- */
 
 const pl_cell_type *pl_places_of_element(const pl_watch *watch, int64_t element, double *x,

@@ -11,14 +11,13 @@
  * has its own D, E and mean ratio, and rows at corners of linear elements are those of the corners.
  *
  * A coefficient may be negative in a valid element. A proof that an element is invalid, wherever a
- * node goes, may use values of det J alone: coefficients at corners, also of pieces (pl_rows_halve).
+ * node goes, may use values of det J alone: coefficients at corners, and pl_row_point.
  *
  *   pl_row_rule_make, _free        what all elements of a type have in common
  *   pl_row_handle                  how fast the nodes of an element move with one of them
  *   pl_rows_of_element             the rows of an element for such a handle
  *   pl_row_coefficients            the coefficients alone
  *   pl_row_point                   det J at a point, by these
- *   pl_rows_halve                  those of half of the shape
  *   pl_marked_make, _destroy       elements of a plan whose rows stars shall heed
  *   pl_marked_rows                 those of a star: a pl_star_more_fn
  */
@@ -65,12 +64,6 @@ void pl_row_coefficients(const pl_row_rule *rule, const double *x, double sign,
 /** At a point xi [dim] of the reference element: det J is the sum of blend [n_coefficients] times the
  *  coefficients, and gradient [n_nodes][dim] are the derivatives of the shape functions. */
 void pl_row_point(const pl_row_rule *rule, const double *xi, double blend[], double gradient[][3]);
-
-/** Set half [n][PL_JACOBIAN_COEFFICIENTS] to the coefficients of half 0 or 1 of whole, bisected in a
- *  simplex of the shape: of n functions at once, as D0 and its slopes. */
-void pl_rows_halve(const pl_row_rule *rule, int simplex, int half, int n,
-                   double (*whole)[PL_JACOBIAN_COEFFICIENTS],
-                   double (*to)[PL_JACOBIAN_COEFFICIENTS]);
 
 /** Elements of a plan whose rows count in the stars of its interior. Arrays are owned. */
 typedef struct pl_marked {

@@ -97,7 +97,7 @@ int pl_check_cell_fields(const planish_cells *cells, planish_error *error) {
     if (cells->n > 0 && (!cells->type || !cells->offset || !cells->node))
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "cells has no array of types, offsets or nodes; give all three");
-    return PLANISH_OK;
+    return pl_check_reserved("planish_cells", cells->reserved, sizeof cells->reserved, error);
 }
 
 int pl_check_cells(const planish_cells *cells, int64_t n_nodes, int threads, planish_error *error) {

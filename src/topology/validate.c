@@ -96,6 +96,10 @@ int pl_check_element(const planish_mesh *mesh, int64_t element, planish_error *e
 int pl_check_nodes(const planish_mesh *mesh, planish_error *error) {
     if (!mesh)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "mesh must not be NULL");
+    const int status =
+        pl_check_reserved("planish_mesh", mesh->reserved, sizeof mesh->reserved, error);
+    if (status)
+        return status;
     if (mesh->dim != 2 && mesh->dim != 3)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "mesh.dim is %d; give 2 (triangles) or 3 (tetrahedra)", mesh->dim);
@@ -168,6 +172,10 @@ int pl_check_part(const planish_mesh *mesh, planish_error *error) {
     const int corners = mesh->dim + 1;
     if (!part)
         return PLANISH_OK;
+    const int status =
+        pl_check_reserved("planish_part", part->reserved, sizeof part->reserved, error);
+    if (status)
+        return status;
     if (!part->add || !part->largest || !part->send || !part->receive)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "mesh.part must have the functions add, largest, send and receive");

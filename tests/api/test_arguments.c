@@ -45,6 +45,8 @@ static void nothing_is_an_argument(void **state) {
     planish_plan_get_info(plan, NULL);
     planish_plan_get_free(plan, NULL);
     planish_plan_get_free(NULL, (uint8_t *)x);
+    planish_shape_get_classes(NULL, (uint8_t *)x);
+    planish_shape_get_edges(NULL, (int32_t *)x);
     planish_options_init_sized(NULL, sizeof(planish_options));
     planish_plan_destroy(NULL);
     planish_plan_destroy(plan);
@@ -162,7 +164,7 @@ static void wrong_options_are_refused(void **state) {
         planish_error error = {.text = ""};
         all[i].spoil(&options);
         if (all[i].refused & BY_PLAN) {
-            planish_plan *none = NULL;
+            planish_plan *none = plan; /* what fails leaves no plan */
             expect_refusal(planish_plan_create(&mesh.mesh, &options, &none, &error), &error,
                            all[i].word);
             assert_null(none);
@@ -175,6 +177,123 @@ static void wrong_options_are_refused(void **state) {
     free(copy);
     test_mesh_destroy(&mesh);
 }
+
+/* ---- reserved fields ------------------------------------------------------------------------- */
+
+/** Set the last reserved field of a structure. */
+#define SPOIL_RESERVED(s) memset((unsigned char *)(s)->reserved + sizeof(s)->reserved - 1, 1, 1)
+
+/** A mesh, and room for what calls find in it. */
+typedef struct finding {
+    test_mesh box;
+    planish_cells cells; /* the same elements */
+    uint8_t *type, *flag;
+    int64_t *offset;
+    double *direction;
+    int32_t *region;
+} finding;
+
+static void finding_create(finding *f) {
+    *f = (finding){.type = NULL};
+    test_mesh_box(&f->box, 3, 2);
+    const int64_t n = f->box.mesh.n_elements, n_nodes = f->box.mesh.n_nodes;
+    f->type = malloc((size_t)n);
+    f->offset = malloc((size_t)(n + 1) * sizeof *f->offset);
+    f->region = calloc((size_t)n, sizeof *f->region);
+    f->flag = malloc((size_t)(n + n_nodes));
+    f->direction = malloc((size_t)n_nodes * 3 * sizeof *f->direction);
+    memset(f->type, PLANISH_CELL_TETRAHEDRON, (size_t)n);
+    for (int64_t i = 0; i <= n; i++)
+        f->offset[i] = 4 * i;
+    f->cells =
+        (planish_cells){.n = n, .type = f->type, .offset = f->offset, .node = f->box.mesh.elements};
+}
+
+static void finding_destroy(finding *f) {
+    test_mesh_destroy(&f->box);
+    free(f->type);
+    free(f->offset);
+    free(f->region);
+    free(f->flag);
+    free(f->direction);
+}
+
+static void refuse_mesh(const finding *f) {
+    planish_mesh mesh = f->box.mesh;
+    planish_plan *plan;
+    planish_quality quality;
+    planish_shape *shape;
+    planish_error error;
+    const char *word = "planish_mesh.reserved";
+    SPOIL_RESERVED(&mesh);
+    expect_refusal(planish_plan_create(&mesh, NULL, &plan, &error), &error, word);
+    expect_refusal(planish_measure_mesh(&mesh, NULL, &quality, &error), &error, word);
+    expect_refusal(planish_find_layers(&mesh, 1, f->flag, NULL, &error), &error, word);
+    expect_refusal(planish_shape_create(&mesh, NULL, 1, &shape, NULL, &error), &error, word);
+}
+
+static void refuse_parts_of_mesh(const finding *f) {
+    planish_mesh mesh = f->box.mesh;
+    planish_cells cells = f->cells;
+    planish_part part = {.user = NULL};
+    planish_plan *plan;
+    planish_error error;
+    SPOIL_RESERVED(&part);
+    mesh.part = &part;
+    expect_refusal(planish_plan_create(&mesh, NULL, &plan, &error), &error, "planish_part");
+    mesh = f->box.mesh;
+    mesh.elements = NULL;
+    mesh.cells = &cells;
+    assert_int_equal(planish_plan_create(&mesh, NULL, &plan, NULL), 0);
+    planish_plan_destroy(plan);
+    SPOIL_RESERVED(&cells);
+    expect_refusal(planish_plan_create(&mesh, NULL, &plan, &error), &error, "planish_cells");
+}
+
+static void refuse_values(const finding *f) {
+    const planish_mesh *mesh = &f->box.mesh;
+    planish_cell_values values = {.state = f->flag};
+    planish_cell_array array = {.values = f->region};
+    planish_cell_quality quality;
+    planish_error error;
+    SPOIL_RESERVED(&values);
+    SPOIL_RESERVED(&array);
+    expect_refusal(planish_measure_cells(mesh, 0, 1, &quality, &values, &error), &error,
+                   "planish_cell_values");
+    expect_refusal(planish_find_regions(mesh, &array, 1, 1, &error), &error, "planish_cell_array");
+    expect_refusal(planish_combine_regions(mesh->n_elements, &array, 1, f->region, NULL, &error),
+                   &error, "planish_cell_array");
+}
+
+/** What is not 0 in a reserved field is refused: a later version may give it a meaning. */
+static void reserved_fields_are_refused(void **state) {
+    (void)state;
+    finding f;
+    planish_surface surface = {.n_facets = 0};
+    planish_options options = test_options(1);
+    planish_plan *plan;
+    planish_shape *shape;
+    planish_error error;
+    finding_create(&f);
+    const planish_mesh *mesh = &f.box.mesh;
+    SPOIL_RESERVED(&surface);
+    SPOIL_RESERVED(&options);
+    refuse_mesh(&f);
+    refuse_parts_of_mesh(&f);
+    refuse_values(&f);
+    expect_refusal(planish_find_slides(mesh, &surface, 1, f.flag, f.direction, NULL, &error),
+                   &error, "planish_surface");
+    expect_refusal(planish_shape_create(mesh, &surface, 1, &shape, NULL, &error), &error,
+                   "planish_surface");
+    expect_refusal(planish_plan_create(mesh, &options, &plan, &error), &error, "planish_options");
+    assert_int_equal(planish_plan_create(mesh, NULL, &plan, NULL), 0);
+    expect_refusal(planish_smooth(plan, f.box.coordinates, &options, NULL, &error), &error,
+                   "planish_options");
+    planish_plan_destroy(plan);
+    finding_destroy(&f);
+}
+
+/* ---- all of them ----------------------------------------------------------------------------- */
 
 /** A coordinate that is no number is named by its node. */
 static void coordinates_are_numbers(void **state) {
@@ -250,6 +369,7 @@ int main(void) {
         cmocka_unit_test_prestate(coordinates_are_numbers, &dims[1]),
         cmocka_unit_test(defaults_are_as_documented),
         cmocka_unit_test(smaller_options_are_not_overrun),
+        cmocka_unit_test(reserved_fields_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -447,6 +447,29 @@ static void test_wide(void **state) {
     free_fitted(&t);
 }
 
+/** Nodes are moved wherever they are: options.around means nothing. */
+static void test_around(void **state) {
+    (void)state;
+    const int64_t node = 0;
+    planish_options options = test_options(1);
+    fitted t;
+    outcome o;
+    make_fitted(1, BLOCK_BALL, 3, 0.95, 0.02, &t);
+    block_target_create(BLOCK_BALL, 8, 1, 0, &t.fine);
+    fit(&t.b, &t.fine, 0, &options, &t.o);
+    planish_fit *f;
+    assert_int_equal(
+        planish_fit_create(&t.b.mesh, t.b.shape, t.fine.shape, 0, NULL, &f, &o.before, NULL), 0);
+    o.x = test_copy_of(&t.b.mesh);
+    options.around = &node;
+    options.n_around = 1;
+    assert_int_equal(planish_fit_move(f, &t.b.mesh, o.x, &options, &o.after, NULL), 0);
+    assert_memory_equal(t.o.x, o.x, test_bytes_of(&t.b.mesh));
+    planish_fit_destroy(f);
+    free(o.x);
+    free_fitted(&t);
+}
+
 /** Coordinates are finite, also if no node is on its way; what is refused stays. */
 static void test_not_finite(void **state) {
     (void)state;
@@ -641,6 +664,7 @@ int main(void) {
         cmocka_unit_test(test_stop),
         cmocka_unit_test(test_positions),
         cmocka_unit_test(test_wide),
+        cmocka_unit_test(test_around),
         cmocka_unit_test(test_not_finite),
         cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_random),

@@ -21,7 +21,7 @@ enum { N = 15, M = 60, BLOCK = 3, CASES = 300 };
 typedef struct fixture {
     pl_maxmin problem;
     pl_maxmin_row row[M];
-    double room[2 * (N + 1) * (N + 1) + 5 * (N + 1)], x[N], multiplier[N + 1];
+    double room[PL_MAXMIN_ROOM(N)], x[N], multiplier[N + 1];
     int active[N + 1];
 } fixture;
 

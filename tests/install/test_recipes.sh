@@ -54,6 +54,10 @@ rm stray
 sed -i "s/^## $version .*/## $version (unreleased)/" CHANGELOG.md
 run git commit -qam two --allow-empty
 refuse "says '## $version (unreleased)'" tools/release "$version" "$work/no"
+sed -i "s/^## $version .*/## $version (2026-01-01)/" CHANGELOG.md
+rm -f tests/install/abi/*-"$version".abi
+run git commit -qam dated
+refuse "planish-$version.abi is not in HEAD" tools/release "$version" "$work/no"
 sed -i "s/^## $version .*/## 0.0.1/" CHANGELOG.md
 run git commit -qam three
 refuse "has no '## $version'" release "$version" "$work/no"

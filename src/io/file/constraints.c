@@ -279,14 +279,23 @@ static int hold_interfaces(const planish_file *file, const planish_hold *hold, u
     return PLANISH_OK;
 }
 
+/** Check hold, which may be NULL. */
+static int check_hold(const planish_hold *hold, planish_error *error) {
+    if (!hold)
+        return PLANISH_OK;
+    if (!are_given(hold->tags, hold->n_tags) || !are_given(hold->slide_tags, hold->n_slide_tags))
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "hold: there are fewer tags than n_tags and n_slide_tags say");
+    return pl_check_reserved("planish_hold", hold->reserved, sizeof hold->reserved, error);
+}
+
 int planish_file_constraints(const planish_file *file, const planish_hold *hold,
                              uint8_t *constraint, planish_error *error) {
     if (!file || !constraint)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "file and constraint must not be NULL");
-    if (hold &&
-        (!are_given(hold->tags, hold->n_tags) || !are_given(hold->slide_tags, hold->n_slide_tags)))
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "hold: there are fewer tags than n_tags and n_slide_tags say");
+    int status = check_hold(hold, error);
+    if (status)
+        return status;
     const io_model *model = &file->model;
     const int slide = hold && hold->slide;
     const unsigned periodic = io_model_is_surface(model) ? 0 : IO_HELD_PERIODIC; /* has no pairs */
@@ -294,7 +303,7 @@ int planish_file_constraints(const planish_file *file, const planish_hold *hold,
                                (hold && hold->ignore_marked ? IO_HELD_MARKED : 0) |
                                IO_HAS_PARAMETERS;
     uint8_t *found = pl_alloc(model->n_nodes, 1);
-    int status = found ? PLANISH_OK : pl_fail_memory(error, "the constraints of nodes");
+    status = found ? PLANISH_OK : pl_fail_memory(error, "the constraints of nodes");
     for (int64_t i = 0; i < model->n_nodes && !status; i++)
         found[i] = model->hold[i] & ~undecided ? PLANISH_CONSTRAINT_FIXED : PLANISH_CONSTRAINT_FREE;
     if (!status && slide && hold->n_slide_tags > 0)
@@ -313,11 +322,11 @@ int planish_file_get_held(const planish_file *file, const planish_hold *hold, ui
                           planish_error *error) {
     if (!file || !reason)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "file and reason must not be NULL");
-    if (hold && !are_given(hold->tags, hold->n_tags))
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "hold: there are fewer tags than n_tags says");
+    int status = check_hold(hold, error);
+    if (status)
+        return status;
     uint8_t *found = pl_alloc(file->model.n_nodes, 1);
-    int status = found ? PLANISH_OK : pl_fail_memory(error, "the reasons of nodes");
+    status = found ? PLANISH_OK : pl_fail_memory(error, "the reasons of nodes");
     const unsigned required = IO_HELD_REQUIRED | (hold && hold->ignore_marked ? 0 : IO_HELD_MARKED);
     for (int64_t i = 0; i < file->model.n_nodes && !status; i++) {
         const unsigned bits = file->model.hold[i];

@@ -211,12 +211,17 @@ int planish_file_convert(planish_file *file, const char *path, const double *coo
     if (!file || !path || !coordinates)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "file, path and coordinates must not be NULL");
+    int status =
+        data ? pl_check_reserved("planish_view_data", data->reserved, sizeof data->reserved, error)
+             : PLANISH_OK;
+    if (status)
+        return status;
     const char *name = data ? data->format : NULL;
     const io_target *target = find_target(path, name, &format);
     if (!target)
         return fail_target(path, name, error);
     const pl_outside outside = pl_call_enter(NULL);
-    const int status =
+    status =
         convert(file, target, path, coordinates, constraint, data, temporaries, &losses, error);
     pl_call_leave(&outside);
     if (!status && lost && lost_size > 0)

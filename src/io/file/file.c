@@ -303,15 +303,21 @@ static int open_file(planish_file *file, const char *path, const planish_open_op
 static int open_as_usual(const char *path, const planish_open_options *options,
                          int64_t largest_copy, planish_file **out, planish_error *error) {
     const double largest = 1e-3;
+    if (out)
+        *out = NULL;
     if (!path || !out)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "path and file must not be NULL");
     if (!(options->plane_tolerance >= 0 && options->plane_tolerance <= largest))
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "plane_tolerance is %g; give 0 to %g of the diagonal of the bounding box",
                        options->plane_tolerance, largest);
+    int status = pl_check_reserved("planish_open_options", options->reserved,
+                                   sizeof options->reserved, error);
+    if (status)
+        return status;
     const pl_outside outside = pl_call_enter(NULL);
     planish_file *file = pl_alloc_zero(1, sizeof *file);
-    int status = file ? PLANISH_OK : pl_fail_memory(error, path);
+    status = file ? PLANISH_OK : pl_fail_memory(error, path);
     if (!status) {
         file->model.threads = pl_thread_count(options->threads);
         file->model.flatness = options->plane_tolerance;

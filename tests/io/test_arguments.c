@@ -1,0 +1,70 @@
+/* Arguments of planish_io.h that are refused whatever the file is. */
+#include "support/data_files.h"
+#include "support/files.h"
+
+#include <planish/planish_io.h>
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/** Set the last reserved field of a structure. */
+#define SPOIL_RESERVED(s) memset((unsigned char *)(s)->reserved + sizeof(s)->reserved - 1, 1, 1)
+
+static void expect_refusal(int status, const planish_error *error, const char *word) {
+    assert_int_equal(status, PLANISH_ERROR_ARGUMENT);
+    assert_non_null(strstr(error->text, word));
+}
+
+/** What cannot be opened leaves no file behind. */
+static void no_file_is_null(void **state) {
+    (void)state;
+    planish_file *file = (planish_file *)&state;
+    assert_int_equal(planish_file_open("nowhere", NULL, 1, &file, NULL), PLANISH_ERROR_FILE);
+    assert_null(file);
+    file = (planish_file *)&state;
+    assert_int_equal(planish_file_open(NULL, NULL, 1, &file, NULL), PLANISH_ERROR_ARGUMENT);
+    assert_null(file);
+    planish_file_close(file);
+}
+
+/** What is not 0 in a reserved field is refused: a later version may give it a meaning. */
+static void reserved_fields_are_refused(void **state) {
+    (void)state;
+    char path[TEST_PATH_SIZE];
+    planish_open_options how = {.threads = 1};
+    planish_hold hold = {.n_tags = 0};
+    planish_view_data data = {.format = "vtu"};
+    planish_file *file;
+    planish_error error;
+    assert_true(test_data_path(path, &(test_data_file){"medit.mesh", "medit", 1}));
+    assert_int_equal(planish_file_open_with(path, &how, &file, NULL), 0);
+    uint8_t *flag = malloc((size_t)planish_file_mesh(file).n_nodes);
+    assert_int_equal(planish_file_constraints(file, &hold, flag, NULL), 0);
+    assert_int_equal(planish_file_get_held(file, &hold, flag, NULL), 0);
+    SPOIL_RESERVED(&hold);
+    SPOIL_RESERVED(&data);
+    expect_refusal(planish_file_constraints(file, &hold, flag, &error), &error, "planish_hold");
+    expect_refusal(planish_file_get_held(file, &hold, flag, &error), &error, "planish_hold");
+    expect_refusal(planish_file_convert(file, "nowhere.vtu", planish_file_coordinates(file), NULL,
+                                        &data, NULL, 0, NULL, 0, &error),
+                   &error, "planish_view_data");
+    planish_file_close(file);
+    free(flag);
+    SPOIL_RESERVED(&how);
+    expect_refusal(planish_file_open_with(path, &how, &file, &error), &error,
+                   "planish_open_options");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(no_file_is_null),
+        cmocka_unit_test(reserved_fields_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
