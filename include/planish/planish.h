@@ -7,8 +7,9 @@
  * same time; one plan serves one thread at a time.
  *
  * Error convention: functions return 0 on success and a negative planish_status on failure; then
- * *error (may be NULL) says what and where, and outputs are untouched unless stated otherwise. Success
- * leaves *error as it was: look at the status first.
+ * *error (may be NULL) says what and where, and outputs are untouched unless stated otherwise. Calls
+ * that create or open set their pointer to NULL then. Success leaves *error as it was: look at the
+ * status first.
  *
  * Conventions:
  * - Node and element indices start at 0.
@@ -22,7 +23,8 @@
  *   "given up" means left out of the energy of untangling.
  * - Zero structures before you fill them in: {0}, designated initialisers, or planish_options_init
  *   for options. All versions with one soname (0.2.x; from 1.0 on all of 1) have the same sizes:
- *   later ones use the reserved fields. planish_options also begins with its size, so that the
+ *   later ones use the reserved fields. Calls refuse reserved fields that are not 0, as they would not
+ *   know what another version means by them. planish_options also begins with its size, so that the
  *   library refuses options that were not initialised, or that another version of this header
  *   describes.
  * - "Radius ratio" (RR) is the normalised one: R/(3r) of a tetrahedron, R/(2r) of a triangle, R the
@@ -249,7 +251,7 @@ typedef struct planish_mesh {
        must be positive definite, and no edge length larger than 1e12 times another. Not with size, nor
        with any field that size excludes. */
     const double *metric;
-    const void *reserved[2]; /* NULL */
+    const void *reserved[8]; /* NULL */
 } planish_mesh;
 
 /* ---- A mesh that several processes have ----------------------------------------------------- */
@@ -335,7 +337,7 @@ typedef struct planish_surface {
     double crease_angle; /* planish_shape_create: an edge where facets turn by more than this angle,
                             in degrees, 0 .. 180, is a feature; other edges are features only by
                             their tags. 0: the library finds features (docs/surfaces.md) */
-    const void *reserved[1]; /* NULL */
+    const void *reserved[4]; /* NULL */
 } planish_surface;
 
 typedef struct planish_slide_info {
@@ -394,7 +396,7 @@ typedef struct planish_shape_info {
     int64_t n_turned; /* facets that are elements and list their nodes in the opposite order to most
                          facets that edges join to them */
     int64_t n_flat;   /* facets without area */
-    int64_t reserved[1];
+    int64_t reserved[8];
 } planish_shape_info;
 
 /** Make the shape of the surface of mesh, which is in space: the boundary, interfaces between
@@ -764,7 +766,7 @@ typedef struct planish_options {
         size_weight; /* 0 .. 1, for planish_plan_create with planish_mesh.reference, size or metric: w in
                         (1 - w) mu^2 + w (tau + 1 / tau) / 2, which replaces mu^2; tau is the measure
                         of a corner divided by that of its target */
-    const void *reserved[2]; /* NULL */
+    const void *reserved[8]; /* NULL */
 } planish_options;
 
 /** Fill in the defaults: as many threads as OpenMP would use, fewer for a small mesh, not bound; the
@@ -1200,7 +1202,7 @@ typedef struct planish_result {
                             their free nodes go */
     int64_t n_off_shape; /* moves that were shortened or refused because the surface would have been
                             too far off the shape, or bent */
-    int64_t reserved[1];
+    int64_t reserved[8];
 } planish_result;
 
 /** Smooth coordinates [n_nodes][dim] (or as the mesh's strides say) in place, after untangling them

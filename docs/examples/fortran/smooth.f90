@@ -15,7 +15,7 @@ module planish
     integer(c_int64_t) :: node_stride = 0, component_stride = 0
     type(c_ptr) :: neighbours = c_null_ptr, neighbours64 = c_null_ptr, part = c_null_ptr
     type(c_ptr) :: cells = c_null_ptr, reference = c_null_ptr, is_layer = c_null_ptr
-    type(c_ptr) :: size = c_null_ptr, metric = c_null_ptr, reserved(2) = c_null_ptr
+    type(c_ptr) :: size = c_null_ptr, metric = c_null_ptr, reserved(8) = c_null_ptr
   end type
 
   type, bind(c) :: planish_error

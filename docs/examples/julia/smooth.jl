@@ -14,11 +14,11 @@ struct Mesh # planish_mesh: unused fields are zero
     neighbours::Ptr{Int32}; neighbours64::Ptr{Int64}
     part::Ptr{Cvoid}; cells::Ptr{Cvoid}
     reference::Ptr{Float64}; is_layer::Ptr{UInt8}; size::Ptr{Float64}; metric::Ptr{Float64}
-    reserved::NTuple{2, Ptr{Cvoid}}
+    reserved::NTuple{8, Ptr{Cvoid}}
 end
 Mesh(xy, triangles) = Mesh(2, size(xy, 2), size(triangles, 2), pointer(xy), pointer(triangles),
     C_NULL, C_NULL, 0, C_NULL, C_NULL, C_NULL, 0, 0, C_NULL, C_NULL, C_NULL, C_NULL, C_NULL, C_NULL,
-    C_NULL, C_NULL, (C_NULL, C_NULL))
+    C_NULL, C_NULL, ntuple(_ -> C_NULL, 8))
 
 struct Error # planish_error
     code::Cint

@@ -16,7 +16,7 @@ struct Mesh { // planish_mesh: unused fields are zero
     neighbours: *const i32, neighbours64: *const i64,
     part: *const c_void, cells: *const c_void,
     reference: *const f64, is_layer: *const u8, size: *const f64, metric: *const f64,
-    reserved: [*const c_void; 2],
+    reserved: [*const c_void; 8],
 }
 
 #[repr(C)]

@@ -200,7 +200,7 @@ class ShapeInfo(Printed):
     n_conflict_edges: Int64
     n_turned: Int64
     n_flat: Int64
-    reserved: Annotated[Any, c_int64 * 1]
+    reserved: Annotated[Any, c_int64 * 8]
 
 
 @fields
@@ -313,7 +313,7 @@ class Result(Printed):
     n_released_mids: Int64
     n_hopeless: Int64
     n_off_shape: Int64
-    reserved: Annotated[Any, c_int64 * 1]
+    reserved: Annotated[Any, c_int64 * 8]
 
     @property
     def stop(self) -> str:

@@ -9,7 +9,6 @@ from typing import Annotated, Any
 from ._fields import Double, Int, Int64, Pointer, Size, Text, fields
 
 Reserved1 = Annotated[Any, c_void_p * 1]
-Reserved2 = Annotated[Any, c_void_p * 2]
 Reserved3 = Annotated[Any, c_void_p * 3]
 Reserved4 = Annotated[Any, c_void_p * 4]
 Reserved6 = Annotated[Any, c_void_p * 6]
@@ -55,7 +54,7 @@ class MeshView(Structure):
     is_layer: Pointer
     size: Pointer
     metric: Pointer
-    reserved: Reserved2
+    reserved: Reserved8
 
 
 @fields
@@ -100,7 +99,7 @@ class Surface(Structure):
     facet_offset: Pointer
     shape: Pointer
     crease_angle: Double
-    reserved: Reserved1
+    reserved: Reserved4
 
 
 @fields
@@ -188,4 +187,4 @@ class Options(Structure):
     surface_tolerance: Double
     surface_tolerance_unit: Int
     size_weight: Double
-    reserved: Reserved2
+    reserved: Reserved8
