@@ -76,7 +76,7 @@ static void put_padded(netcdf_out *out, const char *text) {
 
 static void put_attribute(netcdf_out *out, const netcdf_out_attribute *a) {
     put_padded(out, a->name);
-    netcdf_put_integer(out, a->type);
+    netcdf_put_integer(out, (int32_t)a->type);
     if (a->text) {
         put_padded(out, a->text);
         return;
@@ -116,7 +116,7 @@ static void put_variable(netcdf_out *out, const netcdf_out_variable *v) {
     put_list(out, NETCDF_ATTRIBUTES, v->attribute != NULL);
     if (v->attribute)
         put_attribute(out, &(netcdf_out_attribute){v->attribute, v->text, NETCDF_CHAR, 0});
-    netcdf_put_integer(out, v->type);
+    netcdf_put_integer(out, (int32_t)v->type);
     put_count(out, room_of(out, v));
     put_bits(out, (uint64_t)v->begin, 8);
 }
