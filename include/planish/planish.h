@@ -1327,11 +1327,11 @@ PLANISH_API int planish_check_volumes(const planish_plan *plan, const double *co
  *  - with options.curve_quality the curved triangles and tetrahedra of planish_result.n_hopeless, by
  *    det J at points.
  *
- *  infeasible [n_elements] (may be NULL) is filled with 0 or 1; *n counts the ones. The value is 0
- *  for elements without a proof, and for those that a plan with options.around does not know.
- *  options (NULL: defaults) limit the search as in planish_check_volumes, and *n_undecided (may be
- *  NULL) counts the inverted elements that it left. Errors: _ARGUMENT, _MESH, _MEMORY; all outputs
- *  are then untouched. */
+ *  infeasible [n_elements] (may be NULL) is filled with 0 or 1; *n counts the ones. The value is 0 for
+ *  elements without a proof, and for those that a plan with options.around does not know. options
+ *  (NULL: defaults) limit the search as in planish_check_volumes, and *n_undecided (may be NULL)
+ *  counts the inverted elements that it left. Errors: _ARGUMENT, _MESH, _MEMORY; all outputs are then
+ *  untouched. */
 PLANISH_API int planish_find_infeasible(const planish_plan *plan, const double *coordinates,
                                         const planish_options *options, uint8_t *infeasible,
                                         int64_t *n, int64_t *n_undecided, planish_error *error);

@@ -20,7 +20,7 @@ enum { PL_LARGE_ARRAY = 4 << 20 };
 /** Allocate count elements of size bytes, uninitialised and aligned to 64 bytes, to be released by
  * pl_free. NULL if count is negative, the product overflows or there is no memory. A count of 0
  * gives a valid pointer. Huge pages are not touched: those of large arrays are placed by the thread
- * that writes first; what fills none may be resident at once. */
+ * that writes first; the part that fills no huge page may be resident at once. */
 void *pl_alloc(int64_t count, size_t size);
 
 /** Allocate as pl_alloc does, zeroed. */

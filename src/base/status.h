@@ -23,7 +23,7 @@ int pl_fail_at(planish_error *error, planish_status code, int64_t element, int64
 #define pl_fail_at(error, code, ...) ((pl_fail_at)(error, code, __VA_ARGS__), (int)(code))
 #endif
 
-/** The usual error of a failed allocation of what. */
+/** Fail with the usual error for an allocation of what (a noun). Returns PLANISH_ERROR_MEMORY. */
 static inline int pl_fail_memory(planish_error *error, const char *what) {
     pl_fail(error, PLANISH_ERROR_MEMORY, "out of memory for %s", what);
     return PLANISH_ERROR_MEMORY;

@@ -129,7 +129,7 @@ int pl_file_close(int fd);
 /** Whether a file that is open can be replaced by another one. */
 int pl_file_open_is_replaceable(void);
 
-/** Another descriptor of what is open as fd, or -1. */
+/** Return another descriptor of the file open as fd, or -1. */
 int pl_file_duplicate(int fd);
 
 /** The size bytes of a regular file, which will be read in their order; NULL: it cannot be mapped,

@@ -1,4 +1,4 @@
-/* lattice_stiffness: what a lattice has of nodes and elements.
+/* lattice_stiffness: stiffness and forces of nodes and elements at the vertices of a lattice.
  *
  *   pl_lattice_assemble              Hessian of the sum of RR^2, or AR^2, for displacements of vertices
  *   pl_lattice_restrict, _prolong    from forces of the nodes to those of vertices; displacements back

@@ -11,7 +11,7 @@
 
 enum { PL_LBFGS_PAIRS = 12, PL_LBFGS_SLOTS = PL_LBFGS_PAIRS + 1 }; /* one slot is for a trial */
 
-/** A step s and what it did to the gradient, y. */
+/** A step s, and the change y of the gradient by it. */
 typedef struct pl_lbfgs_pair {
     double *s, *y;
     double sy; /* s . y */

@@ -64,8 +64,9 @@ void pl_patch_put(const pl_patch *p, double *field, const double *a);
  *  start. x becomes where they are. */
 void pl_patch_admit(const pl_patch *p, double *x, const double *start);
 
-/** Move the nodes to where each is at the mean of its neighbours, by conjugate gradients; the patch
- *  has PL_CENTRE_VECTORS at least. Cut short where tally says so then. */
+/** Move the nodes to the places at which each is at the mean of its neighbours, by conjugate
+ *  gradients. The patch has at least PL_CENTRE_VECTORS vectors. The iterations end early if
+ *  tally->stopped is set. */
 void pl_patch_centre(const pl_patch *p, pl_sweep_tally *tally);
 
 enum { PL_CENTRE_VECTORS = 6 };

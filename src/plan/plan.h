@@ -215,11 +215,11 @@ pl_box pl_box_of_fixed(const planish_plan *plan);
 int pl_plan_check_call(const planish_plan *plan, const double *coordinates,
                        const planish_options *options, planish_error *error);
 
-/** Make the targets of a plan with sizes, of its own coordinates, as if it was new. */
+/** Make the targets of a plan with sizes from its own coordinates, as for a new plan. */
 void pl_plan_begin_sizes(planish_plan *plan);
 
-/** Make the targets of a plan with sizes, of x [.][dim]: node i is at x[place[i]]; place NULL: at
- *  x[i]. */
+/** Make the targets of a plan with sizes from coordinates x [.][dim]: node i is at x[place[i]];
+ *  place NULL: at x[i]. */
 void pl_plan_fit_sizes(planish_plan *plan, const double *x, const int32_t *place);
 
 /* ---- check_options.c ------------------------------------------------------------------------ */

@@ -48,7 +48,7 @@ PL_INLINE int pl_any_moves(const uint8_t *mobility, const int32_t *node, const i
     return any != 0;
 }
 
-/** Number of cells: the elements, or where these are corners what they are the corners of. */
+/** Number of cells: of the elements, or if elements are corners, of the cells that have these corners. */
 static inline int64_t pl_view_cells(const pl_view *view) {
     return view->corner ? view->n_cells : view->n_elements;
 }

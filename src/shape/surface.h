@@ -70,7 +70,7 @@ typedef struct pl_surface {
     int32_t (*mid)[3]; /* [n_mids] of these facets' edges both ends and the mid, ascending */
 } pl_surface;
 
-/** Whether there are elements of one dimension less than the mesh's, and none of its own. */
+/** Whether cells has elements of dimension dim - 1, and none of dimension dim. */
 int pl_is_of_faces(const planish_cells *cells, int dim);
 
 /** Why a node of the surface is fixed. */
@@ -81,8 +81,8 @@ enum {
 };
 
 /** Find the facets of one element, those between regions, and the tagged ones. cells: elements, and
- *  tags->region goes by them; NULL: those of mesh. is_fixed [nodes of the mesh] becomes PL_FIXED_ALWAYS for
- *  corners of tagged facets that the mesh has not. Errors: _MEMORY. */
+ *  tags->region goes by them; NULL: those of mesh. is_fixed [nodes of the mesh] becomes
+ *  PL_FIXED_ALWAYS for corners of tagged facets that the mesh has not. Errors: _MEMORY. */
 int pl_surface_create(const planish_mesh *mesh, const planish_cells *cells,
                       const planish_surface *tags, int threads, pl_surface *surface,
                       uint8_t *is_fixed, planish_error *error);

@@ -48,8 +48,8 @@ void pl_tree_find(const pl_tree *tree, const pl_box3 *box, pl_tree_skips_fn *ski
 /** Squared distance of an item from a point. */
 typedef double pl_tree_distance_fn(const void *context, int32_t item, const double point[3]);
 
-/** Return the item that is nearest to point, the lowest of several; -1: there is none within
- *  *square, a squared distance, which becomes its. No item is nearer than its box. */
+/** Return the item nearest to point, of several the lowest one, and set *square to its squared
+ *  distance; -1: no item is within *square. No item is nearer than its box. */
 int32_t pl_tree_nearest(const pl_tree *tree, const double point[3], pl_tree_distance_fn *distance,
                         const void *context, double *square);
 

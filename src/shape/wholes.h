@@ -183,7 +183,7 @@ static inline void pl_whole_rises(const pl_whole *whole, const double x[][3], co
 
 /** Bound the distance of a facet from the surface that the rises of one triangle describe.
  *
- * A quadrilateral on [-1, 1]^2 is quadratic but for A x^2 y + B x y^2 + C x^2 y^2. Quadratic
+ *  A quadrilateral on [-1, 1]^2 is quadratic but for A x^2 y + B x y^2 + C x^2 y^2. Quadratic
  *  functions that agree at the corners of a triangle and in the middle of its edges are off these
  *  by no more than the factors here, found by hand: s t (s - 1/2) in a triangle at a corner, for
  *  one. */

@@ -1,4 +1,4 @@
-/* kernel_facets: a star in scratch, and what stays constant of its facets while its node moves.
+/* kernel_facets: a star in scratch, and the constants of its facets while its node moves.
  *
  * One visit works on columns of the star's link facets and of their edges (kernel_link_edges.h),
  * padded to a multiple of PL_LANES with copies of the first; those of facets have weight 0. All

@@ -20,8 +20,8 @@ typedef struct pl_guard {
     int64_t held_outside;
 } pl_guard;
 
-/** Find delta of options: a fraction is of the volume of all of the mesh, whose coordinates all
- *  [.][dim] are. Errors: _ARGUMENT, where that is no volume. */
+/** Find the minimum volume delta of options. A fraction refers to the volume of the whole mesh,
+ *  with coordinates all [.][dim]. Errors: _ARGUMENT, if the result is not a volume. */
 int pl_minimum_volume(const planish_plan *plan, const planish_options *options, const double *all,
                       double *delta, planish_error *error);
 

@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-/** Return what such a message ends with: the number behind the last one tells of a count from 1. */
+/** Return the end of a message on a wrong node: a node n_nodes suggests that the caller counts from 1. */
 static inline const char *pl_no_node_hint(int64_t node, int64_t n_nodes) {
     return node == n_nodes ? ", or are nodes counted from 1? They begin with 0 here" : "";
 }

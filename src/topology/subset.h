@@ -26,8 +26,8 @@ int pl_subset_by_marks(const planish_mesh *mesh, const uint8_t *selected, int th
 /** Free the arrays of subset. */
 void pl_subset_destroy(pl_subset *subset);
 
-/** The subset as a mesh, with what the mesh says of its nodes and elements but periodic pairs;
- *  elements are subset's. */
+/** The subset as a mesh, with the fields of the mesh for its nodes and elements, without periodic
+ *  pairs. The elements belong to the subset. */
 typedef struct pl_submesh {
     planish_mesh mesh;
     double *coordinates, *direction, *min_volume; /* of the mesh, or NULL */

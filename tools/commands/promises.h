@@ -1,5 +1,5 @@
-/* promises: what planish_smooth promises of a result, kept where the file rounds it, and checked
- * before the mesh is written. Both functions return 0, or an exit status after a message. */
+/* promises: promises of planish_smooth, kept where the file rounds the result, and checked before
+ * the mesh is written. Both functions return 0, or an exit status after a message. */
 #ifndef PL_TOOLS_PROMISES_H
 #define PL_TOOLS_PROMISES_H
 

@@ -1,4 +1,4 @@
-/* progress: what is told while a command works: on standard error, and kept for the report.
+/* progress: progress of a command, shown on standard error and kept for the report.
  *
  *     pl_progress_init, _free       the history of the sweeps
  *     pl_progress_stage, _step      what is done now, and the sweeps: the callback of the library

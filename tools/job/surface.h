@@ -1,4 +1,4 @@
-/* surface: what the program says of a mesh that is a surface in space; its work is in curved.h and engine.h.
+/* surface: texts on a mesh that is a surface in space; curved.h and engine.h have the work.
  *
  *     pl_surface_print     whether it is closed, and its features
  *     pl_surface_note      what is odd about it

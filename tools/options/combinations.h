@@ -1,4 +1,4 @@
-/* combinations: what the options of a command line mean together. */
+/* combinations: options that together have a meaning, or exclude each other. */
 #ifndef PL_TOOLS_COMBINATIONS_H
 #define PL_TOOLS_COMBINATIONS_H
 

@@ -1,4 +1,4 @@
-/* help: what the program says of itself, from the tables of commands and options.
+/* help: help and manual, from the tables of commands and options.
  *
  *     pl_help_print, pl_help_print_command        help (help.c)
  *     pl_generate_command                         manual page and completion (manual.c)

@@ -1,5 +1,5 @@
-/* drawn_inside: what a picture shows of the inside of a solid mesh: its elements, or of a large mesh
- * every k-th one, and a grid whose cells have the worst element in each.
+/* drawn_inside: the inside of a solid mesh in a picture: its elements, of a large mesh every k-th
+ * one, and a grid with the worst element of each cell.
  *
  *     pl_drawn_inside_find, _free    the elements
  *     pl_drawn_grid_find, _take      the grid

@@ -18,9 +18,9 @@ enum { PL_PICTURE_MOST_STATES = 2 };
 
 typedef struct pl_picture pl_picture;
 
-/** Begin a picture of the mesh of job (which has a plan, or job->has_types): find what is to be drawn of it, and its
- *  place. To be released by pl_picture_free, also after a failure. Returns 0, or an exit status
- *  after a message. */
+/** Begin a picture of the mesh of job (which has a plan, or job->has_types): find what is to be
+ *  drawn of it, and its place. To be released by pl_picture_free, also after a failure. Returns 0,
+ *  or an exit status after a message. */
 int pl_picture_begin(const pl_job *job, pl_picture **picture);
 
 /** Whether the mesh of job has the elements of the first one, by their number. */

@@ -1,5 +1,5 @@
-/* platform: what the program asks of the operating system beside files and signals. One of
- * platform_posix.c and platform_windows.c is built; what the libraries ask is in base/system.h.
+/* platform: the operating system for the program, without files and signals. One of
+ * platform_posix.c and platform_windows.c is built. base/system.h is for the libraries.
  *
  *     pl_platform_begin             streams, environment and arguments
  *     pl_console_*                  what a terminal can do

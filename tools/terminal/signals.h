@@ -1,4 +1,4 @@
-/* signals: what the program does when it is told to stop.
+/* signals: the program when it is told to stop.
  *
  * Before smoothing begins, SIGINT, SIGTERM and SIGHUP end the program with a line. Then the first one
  * asks the smoothing to stop after the colour it is at; the second one ends the program at once,
@@ -23,7 +23,8 @@ typedef enum pl_temporary {
     PL_N_TEMPORARIES
 } pl_temporary;
 
-/* Of 15 files (TetGen's) with paths as long as the system takes; of hundreds in a folder with usual ones. */
+/* Of 15 files (TetGen's) with paths as long as the system takes; of hundreds in a folder with usual
+ * ones. */
 enum { PL_TEMPORARY_SIZE = 16 * 4096 };
 /* A longer name is cut. */
 enum { PL_INPUT_NAME_SIZE = 1024 };
@@ -57,8 +58,8 @@ void pl_signals_end(const char *text);
 /** Ask to stop. Returns whether that had been asked before. */
 int pl_signals_ask_stop(void);
 
-/** Name the input that is in use from now on, for the lines about a signal and about an input that shrinks;
- *  NULL: none is. */
+/** Name the input that is in use from now on, for the lines about a signal and about an input that
+ *  shrinks; NULL: none is. */
 void pl_signals_set_input(const char *path);
 
 /** Say whether the mesh is going to be smoothed, and nothing of it has been written. */

@@ -1,4 +1,4 @@
-/* terminal: what a stream can show: colours, blocks, and a line that is written over.
+/* terminal: colours, blocks and a line that is written over, if a stream can show them.
  *
  * There are colours on terminals only, and none where TERM is dumb or unset, or NO_COLOR is set
  * (https://no-color.org). What is decided depends on the stream and the environment alone.

@@ -68,7 +68,7 @@ typedef struct io_hdf5_names {
 int io_hdf5_list(io_hdf5 *file, const char *path, io_hdf5_names *names);
 /** Add a copy of a name. */
 int io_hdf5_names_add(io_hdf5 *file, io_hdf5_names *names, const char *name);
-/** Check that there is one name in the group at path, of what (a mesh, say). */
+/** Check that the group at path has one name; what: its meaning in messages (a mesh, say). */
 int io_hdf5_check_only(io_hdf5 *file, const char *path, const char *what,
                        const io_hdf5_names *names);
 
