@@ -76,6 +76,33 @@ for file in *.vtu *.xdmf; do
 done
 cd .. && rm -r xml
 
+# ---- parts that multiply --------------------------------------------------------------------------
+# Within a minute of CPU, and never for want of memory.
+mkdir multiplied && cd multiplied || exit 1
+python3 "$cli/multiplied.py"
+n=$(find . -mindepth 1 -printf x | wc -c)
+frugal=(bash -c 'ulimit -t 60; [ '"$megabytes"' -eq 0 ] || ulimit -v 400000; exec "$@"' limited)
+for file in refused_* read_* choose_*; do
+    case $file in
+    refused_*) wanted=2 action=(groups "$file") ;;
+    read_*) wanted=0 action=(groups "$file") ;;
+    *) wanted=0 action=(quality "$file" --fix all -q) ;;
+    esac
+    expect_status $wanted "${frugal[@]}" "$program" "${action[@]}"
+    [ $wanted -ne 2 ] || expect_one_line
+    ! grep -q "memory\|did not finish" err || fail "$file: $(cat err)"
+    rm -f out err
+done
+for file in convert_*; do
+    for to in exodus gmsh gmsh22 abaqus nastran medit vtu vtk; do
+        expect_status 0 "${frugal[@]}" "$program" convert "$file" -o "result.$to" --to "$to" -q
+        [ "$(stat -c %s "result.$to")" -lt 100000000 ] || fail "$file as $to: $(stat -c %s "result.$to") bytes"
+        rm -f "result.$to" out err
+    done
+done
+[ "$(find . -mindepth 1 -printf x | wc -c)" -eq "$n" ] || fail "left behind: $(ls -A)"
+cd .. && rm -r multiplied
+
 # ---- large files that hold nothing --------------------------------------------------------------
 # Mapped they need address space of their size and next to no more. (What is all zeros is text of one
 # line: what reads it word by word takes seconds for gigabytes.)
@@ -188,6 +215,14 @@ def bomb(path):
             file.write(b" " * (1 << 20))
 
 
+# What is copied along with a mesh is in its folder: a link may lead to what nobody means to hand on.
+write("secret", "secret")
+os.mkdir("secrets")
+write("secrets/key", "secret")
+for kind, file in ("elmer", "mesh.other"), ("openfoam", "other"), ("openfoam", "sets"):
+    away = "../secrets" if file == "sets" else "../secret"
+    folder("refused_%s_away_%s" % (kind, file), kind, **{file: lambda path, away=away: os.symlink(away, path)})
+folder("read_openfoam_link", "openfoam", other=lambda path: os.symlink("points", path))
 for kind in "elmer", "openfoam":
     for file in folders()[kind]:
         is_optional = file in ("mesh.names", "cellZones", "faceZones")

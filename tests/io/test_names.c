@@ -5,6 +5,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -28,6 +29,26 @@ static void each_is_there_once(void **state) {
     io_names_release(&names);
 }
 
+/** A name of a file may have zeros in it: what is behind the first is not looked at. */
+static void zeros_end_names(void **state) {
+    (void)state;
+    enum { LENGTH = 64 << 20 };
+    io_names names = {.n = 0};
+    char *text = calloc(LENGTH, 1);
+    assert_non_null(text);
+    memcpy(text, "ab", 2);
+    add(&names, "ab");
+    assert_true(io_names_add(&names, text, LENGTH));
+    assert_true(io_names_add(&names, text, 3));
+    assert_int_equal(names.n, 1);
+    text[0] = 'c';
+    assert_true(io_names_add(&names, text, LENGTH));
+    assert_int_equal(names.n, 2);
+    assert_string_equal(io_names_list(&names)[1], "cb");
+    io_names_release(&names);
+    free(text);
+}
+
 static void there_is_a_most(void **state) {
     (void)state;
     io_names names = {.n = 0};
@@ -44,6 +65,7 @@ static void there_is_a_most(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_is_there_once),
+        cmocka_unit_test(zeros_end_names),
         cmocka_unit_test(there_is_a_most),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

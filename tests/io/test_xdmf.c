@@ -693,6 +693,14 @@ static void names_must_not_lead_outside(void **state) {
                           strstr(names[i], "..") ? "has '..' in it"
                                                  : "is not beside this file or below its folder");
     }
+    /* What is named is copied beside OUT, too. */
+    static const char *const hidden[] = {".mesh.bin", "./.mesh.bin", ".sub/mesh.bin", "sub\\.bin"};
+    for (size_t i = 0; i < sizeof hidden / sizeof *hidden; i++) {
+        char text[TEXT_SIZE];
+        snprintf(text, sizeof text, XDMF(GRID(TWO BYTES("%s"))), hidden[i]);
+        folder_write(folder, "in/mesh.xdmf", text);
+        folder_open_fails(folder, "in/mesh.xdmf", "is a hidden file");
+    }
     folder_write(folder, "in/mesh.xdmf", XDMF(GRID(TWO BYTES("none.bin"))));
     folder_open_fails(folder, "in/mesh.xdmf", "No such file");
     fails("<!DOCTYPE Xdmf [<!ENTITY a SYSTEM \"/etc/passwd\">]>\n<Xdmf>&a;</Xdmf>", "an entity");

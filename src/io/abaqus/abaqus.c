@@ -320,7 +320,8 @@ static int note_type(const abaqus_reader *r, const char *name, const io_element_
     io_model *model = r->model;
     io_type_name made = {.type = type->shape == IO_LINE ? io_simplex_type(1, type->nodes > 2)
                                                         : io_cell_type(type->shape, type->nodes)};
-    int is_there = made.type == 0;
+    int is_there =
+        made.type == 0 || model->n_type_names == IO_MOST_NAMES; /* the search is linear */
     for (int64_t i = 0; i < model->n_type_names && !is_there; i++)
         is_there = strcmp(model->type_name[i].name, name) == 0;
     snprintf(made.name, sizeof made.name, "%s", name);

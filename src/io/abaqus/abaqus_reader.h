@@ -63,8 +63,8 @@ typedef struct abaqus_set {
     io_slice name;
     int32_t *member; /* [n] owned */
     int64_t n, capacity;
-    int32_t last_into;          /* 1 + the set that this one was put into last, */
-    int64_t last_n;             /* and its number of members then */
+    int32_t last_into;                        /* 1 + the set that this one was put into last, */
+    int64_t last_n;                           /* and its number of members then */
     int is_held, is_of_section, is_supported; /* its members have been told so */
 } abaqus_set;
 
@@ -86,7 +86,8 @@ typedef struct abaqus_reader {
     int64_t n[2];                   /* nodes, elements */
     int64_t first_cell[IO_N_LISTS]; /* of each list among the elements */
     int32_t *stamp[2];              /* [n] 1 + the set that had the thing last */
-    io_numbers *elements; /* numbers of elements; NULL until a set is read that names them */
+    io_numbers *elements; /* numbers of elements; NULL until a set is read that names them, */
+    int has_doubled;      /* and if surfaces have found that one occurs twice */
     int64_t n_asked; /* members that sequences and sets of sets asked for, those included that were
                         there already */
 } abaqus_reader;

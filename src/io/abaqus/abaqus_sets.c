@@ -478,8 +478,9 @@ static int read_surface(abaqus_reader *r, const abaqus_block *b) {
         abaqus_find_set(r, ABAQUS_NODES, b->scope, name) >= 0 ||
         abaqus_find_set(r, ABAQUS_ELEMENTS, b->scope, name) >= 0)
         return PLANISH_OK;
-    if (is_known && !is_of_nodes && !r->elements)
-        is_known = number_elements(r) == PLANISH_OK; /* numbers that occur twice tell no element */
+    if (is_known && !is_of_nodes && !r->elements && !r->has_doubled)
+        r->has_doubled = number_elements(r) != PLANISH_OK;
+    is_known &= is_of_nodes || r->elements != NULL; /* numbers that occur twice tell no element */
     for (int pass = 0; pass < 2 && is_known && !status; pass++) { /* look, then add */
         const int32_t set = pass ? make_set(r, ABAQUS_NODES, b->scope, name) : -1;
         status = pass && set < 0 ? set : PLANISH_OK;

@@ -8,6 +8,9 @@
 #include "io/view/view_blocks.h"
 #include "io/view/writer.h"
 
+#include "base/memory.h"
+#include "base/status.h"
+
 #include <inttypes.h>
 #include <string.h>
 
@@ -95,43 +98,100 @@ static void put_block(io_writer *writer, const io_view *view, const io_view_bloc
     }
 }
 
-/** Put a group of elements: the sets of its entities. */
-static void put_elset(io_writer *writer, const io_view *view, const io_view_blocks *blocks,
-                      int32_t group) {
-    int is_begun = 0;
-    for (int64_t b = 0; b < blocks->n; b++) {
-        const io_view_block *block = &blocks->block[b];
-        if (!block->begins_set || !io_view_is_in_group(view, block->entity, group))
+/* ---- groups --------------------------------------------------------------------------------- */
+
+/** Members of groups: of the first group of each number blocks that begin a set, or nodes. */
+typedef struct group_members {
+    int64_t *start, *end; /* [n_groups + 1] of each group in member; end: so far */
+    int64_t *member;
+} group_members;
+
+/** Put a thing into the groups of an entity that have its dimension: count it, or list it. */
+static void add_member(const io_view *view, int32_t entity, int64_t thing, group_members *m) {
+    for (int k = 0; k < io_view_n_numbers(view, entity); k++) {
+        const int32_t group = io_view_group_at(view, entity, k);
+        if (group < 0 || (m->member && m->end[group] > m->start[group] &&
+                          m->member[m->end[group] - 1] == thing)) /* a number that it has twice */
             continue;
-        if (!is_begun) {
-            io_put_text(writer, "*ELSET, ELSET=");
-            put_name(writer, view->model->group[group].name);
-            io_put_text(writer, "\n");
-        }
-        is_begun = 1;
-        put_set(writer, block);
-        io_put_text(writer, "\n");
+        if (m->member)
+            m->member[m->end[group]] = thing;
+        m->end[group]++;
     }
 }
 
-static void put_nset(io_writer *writer, const io_view *view, int32_t group) {
+/** Put all blocks and nodes into their groups. */
+static void add_members(const io_view *view, const io_view_blocks *blocks, group_members *m) {
     const io_model *model = view->model;
-    int is_begun = 0;
-    for (int64_t i = 0; i < model->n_nodes && model->node_entity; i++) {
-        if (!io_view_is_in_group(view, model->node_entity[i], group))
-            continue;
-        if (!is_begun) {
-            io_put_text(writer, "*NSET, NSET=");
-            put_name(writer, model->group[group].name);
-            io_put_text(writer, "\n");
-        }
-        is_begun = 1;
-        io_put_integer(writer, 0, io_view_node_number(view, i));
+    for (int64_t b = 0; b < blocks->n; b++)
+        if (blocks->block[b].begins_set)
+            add_member(view, blocks->block[b].entity, b, m);
+    for (int64_t i = 0; i < model->n_nodes && model->node_entity; i++)
+        add_member(view, model->node_entity[i], i, m);
+}
+
+/** Find the members of all groups. To be released in any case. */
+static int find_members(const io_view *view, const io_view_blocks *blocks, group_members *m,
+                        planish_error *error) {
+    const int64_t n = view->model->n_groups;
+    *m = (group_members){.start = pl_alloc_zero(n + 1, sizeof *m->start),
+                         .end = pl_alloc_zero(n + 1, sizeof *m->end)};
+    if (!m->start || !m->end)
+        return pl_fail_memory(error, "groups");
+    add_members(view, blocks, m);
+    for (int64_t g = 0; g < n; g++) {
+        m->start[g + 1] = m->start[g] + m->end[g];
+        m->end[g] = m->start[g];
+    }
+    m->member = pl_alloc(m->start[n], sizeof *m->member);
+    if (!m->member)
+        return pl_fail_memory(error, "groups");
+    add_members(view, blocks, m);
+    return PLANISH_OK;
+}
+
+static void release_members(group_members *m) {
+    pl_free(m->start);
+    pl_free(m->end);
+    pl_free(m->member);
+}
+
+/** Put a group: the sets of its entities, or its nodes; of a further name of one number the set of the
+ *  first. */
+static void put_group(io_writer *writer, const io_view *view, const io_view_blocks *blocks,
+                      const group_members *m, int32_t g) {
+    const io_group *group = &view->model->group[g];
+    const int32_t first = io_view_first_group(view, group->dim, group->tag);
+    if (m->end[first] == m->start[first])
+        return;
+    io_put_text(writer, group->dim > 0 ? "*ELSET, ELSET=" : "*NSET, NSET=");
+    put_name(writer, group->name);
+    io_put_text(writer, "\n");
+    if (first < g) {
+        put_name(writer, view->model->group[first].name);
+        io_put_text(writer, "\n");
+    }
+    for (int64_t i = m->start[first]; i < m->end[first] && first == g; i++) {
+        if (group->dim > 0)
+            put_set(writer, &blocks->block[m->member[i]]);
+        else
+            io_put_integer(writer, 0, io_view_node_number(view, m->member[i]));
         io_put_text(writer, "\n");
     }
 }
 
-static void put_file(io_writer *writer, const io_view *view, const io_view_blocks *blocks,
+static int put_groups(io_writer *writer, const io_view *view, const io_view_blocks *blocks,
+                      planish_error *error) {
+    group_members m;
+    const int status = find_members(view, blocks, &m, error);
+    for (int32_t g = 0; g < view->model->n_groups && !status; g++)
+        put_group(writer, view, blocks, &m, g);
+    release_members(&m);
+    return status;
+}
+
+/* ---- the file ------------------------------------------------------------------------------- */
+
+static void put_mesh(io_writer *writer, const io_view *view, const io_view_blocks *blocks,
                      const io_view_type *types) {
     io_put_text(writer, "*HEADING\nwritten by planish\n");
     put_nodes(writer, view);
@@ -140,11 +200,6 @@ static void put_file(io_writer *writer, const io_view *view, const io_view_block
         if (type)
             put_block(writer, view, &blocks->block[b], type);
     }
-    for (int32_t g = 0; g < view->model->n_groups; g++)
-        if (view->model->group[g].dim > 0)
-            put_elset(writer, view, blocks, g);
-        else
-            put_nset(writer, view, g);
 }
 
 /** Note the types of an Abaqus file that have another name now: C3D8R is C3D8. */
@@ -163,10 +218,11 @@ static int abaqus_write(const io_view *view, pl_output *output, io_losses *losse
     const io_view_type *types = view->model->dim == 2 ? plane_types : solid_types;
     io_writer writer;
     io_view_blocks blocks;
-    const int status = io_view_blocks_make(view, &blocks, error);
+    int status = io_view_blocks_make(view, &blocks, error);
     io_writer_begin(&writer, output, error);
     if (!status) {
-        put_file(&writer, view, &blocks, types);
+        put_mesh(&writer, view, &blocks, types);
+        status = put_groups(&writer, view, &blocks, error);
         io_view_lose_types(types, &blocks, losses);
         lose_type_names(view, types, losses);
         io_view_lose_fields(view, losses);

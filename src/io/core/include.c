@@ -13,6 +13,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { MOST_TIMES = 16 }; /* that one file may be included */
+
 #ifndef PATH_MAX
 #define PATH_MAX 4096
 #endif
@@ -61,6 +63,15 @@ int io_include_find(const io_model *model, io_slice name, char **path, planish_e
                                                 : PLANISH_OK;
 }
 
+/** Return how many times the file at path is included already. */
+static int times_included(const io_model *model, const char *path) {
+    pl_file_status this, other;
+    int n = 0;
+    for (int i = 0; i < model->n_included && pl_file_find(path, &this) == 0; i++)
+        n += pl_file_find(model->included[i].path, &other) == 0 && pl_file_is_same(&this, &other);
+    return n;
+}
+
 int io_include_open(io_model *model, const char *at, io_slice name, io_cursor *content,
                     planish_error *error) {
     char path[PATH_MAX];
@@ -80,6 +91,9 @@ int io_include_open(io_model *model, const char *at, io_slice name, io_cursor *c
         return io_fail_at(model, at, error,
                           "more than %d files are included, or one includes itself",
                           IO_MOST_INCLUDED);
+    if (times_included(model, path) == MOST_TIMES) /* each time takes memory */
+        return io_fail_at(model, at, error, "'%.*s' is included more than %d times, or by itself",
+                          IO_QUOTED(name), MOST_TIMES);
     planish_error missing;
     const int status = io_bytes_open_beside(path, model->largest_copy, &file, &missing);
     if (status) { /* the line that names it is what can be changed */
@@ -131,6 +145,13 @@ int io_include_compare(io_slice a, io_slice b) {
 int io_include_leads_up(io_slice name) {
     for (io_slice part = next_part(&name); io_slice_length(part) > 0; part = next_part(&name))
         if (io_slice_is(part, "..", 0))
+            return 1;
+    return 0;
+}
+
+int io_include_is_hidden(io_slice name) {
+    for (io_slice part = next_part(&name); io_slice_length(part) > 0; part = next_part(&name))
+        if (*part.begin == '.')
             return 1;
     return 0;
 }

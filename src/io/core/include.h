@@ -4,6 +4,7 @@
  *   io_include_open        open one
  *   io_include_compare     whether two names are of one file
  *   io_include_leads_up    whether a name has '..' in it
+ *   io_include_is_hidden   whether a name is of a hidden file
  *   io_include_has         whether a place is in one
  *   io_include_fail_node   an error: it has nodes
  *   io_include_close       release all
@@ -34,6 +35,9 @@ int io_include_compare(io_slice a, io_slice b);
 
 /** Return whether '..' is a part of a name. */
 int io_include_leads_up(io_slice name);
+
+/** Return whether a part of a name begins with a point, as those of hidden files and folders do. */
+int io_include_is_hidden(io_slice name);
 
 /** Return whether at is in an included file. */
 int io_include_has(const io_model *model, const char *at);

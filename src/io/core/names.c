@@ -6,6 +6,8 @@
 #include <string.h>
 
 int io_names_add(io_names *names, const char *begin, int64_t length) {
+    const char *zero = length > 0 ? memchr(begin, '\0', (size_t)length) : NULL;
+    length = zero ? zero - begin : length;
     for (int64_t i = 0; i < names->n; i++)
         if (strncmp(names->name[i], begin, (size_t)length) == 0 && !names->name[i][length])
             return 1;

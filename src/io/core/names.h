@@ -12,8 +12,8 @@ typedef struct io_names {
     int64_t n, capacity;
 } io_names;
 
-/** Add the length bytes at begin, unless they or IO_MOST_NAMES names are there already. Return whether
- *  there is memory for that. */
+/** Add the length bytes at begin, up to a '\0' among them, unless they or IO_MOST_NAMES names are there
+ *  already. Return whether there is memory for that. */
 int io_names_add(io_names *names, const char *begin, int64_t length);
 
 /** Return the list, NULL at the end. */

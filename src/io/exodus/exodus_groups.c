@@ -46,22 +46,10 @@ int exodus_give_ids(const int64_t *wanted, int64_t n, int32_t *id, planish_error
 
 /* ---- sets ----------------------------------------------------------------------------------- */
 
-int32_t exodus_next_group(const io_view *view, int32_t entity, int32_t after) {
-    for (int32_t g = after + 1; g < view->model->n_groups; g++)
-        if (io_view_is_in_group(view, entity, g))
-            return g;
-    return -1;
-}
-
-/** Return the name of the group that the sets of members like this one are, or "". */
-static const char *name_of(const io_view *view, const exodus_member *member, int dim) {
-    for (int32_t g = 0; g < view->model->n_groups; g++) {
-        const io_group *group = &view->model->group[g];
-        if (group->dim == dim && group->tag == member->number &&
-            view->is_physical[g] == !member->is_entity)
-            return group->name;
-    }
-    return "";
+/** Find the group that the set of members like this one is, or -1. */
+static int32_t group_of(const io_view *view, const exodus_member *member, int dim) {
+    const int32_t g = io_view_first_group(view, dim, member->number);
+    return g >= 0 && view->is_physical[g] == !member->is_entity ? g : -1;
 }
 
 static int compare_sets(const exodus_member *x, const exodus_member *y) {
@@ -130,7 +118,9 @@ static int make_sets(const io_view *view, int dim, exodus_groups *groups, planis
     const exodus_member *member = groups->member;
     for (int64_t i = 0; i < groups->n_members; i++) {
         if (i == 0 || compare_sets(&member[i - 1], &member[i]) != 0) {
-            const exodus_group set = {.name = name_of(view, &member[i], dim), .first = i};
+            const int32_t g = group_of(view, &member[i], dim);
+            const exodus_group set = {
+                .name = g < 0 ? "" : view->model->group[g].name, .group = g, .first = i};
             if (!pl_append(&groups->group, &groups->n, &groups->capacity, &set, sizeof set))
                 return pl_fail_memory(error, "node sets and side sets");
         }

@@ -3,7 +3,6 @@
  *   exodus_group, exodus_groups                       sets and their members
  *   exodus_groups_of_nodes, _of_facets, _release      those of a mesh
  *   exodus_give_ids                                   numbers of sets and blocks
- *   exodus_next_group                                 named groups of an entity
  */
 #ifndef PL_IO_EXODUS_EXODUS_GROUPS_H
 #define PL_IO_EXODUS_EXODUS_GROUPS_H
@@ -22,6 +21,7 @@ typedef struct exodus_member {
 typedef struct exodus_group {
     int32_t id;
     const char *name; /* "": it has none; borrowed */
+    int32_t group;    /* whose name that is, or -1 */
     int64_t first, n; /* members */
 } exodus_group;
 
@@ -45,9 +45,5 @@ void exodus_groups_release(exodus_groups *groups);
 /** Give ids [n], distinct and from 1: those that are wanted, the first of equal ones, others behind
  *  them. Error: _MEMORY. */
 int exodus_give_ids(const int64_t *wanted, int64_t n, int32_t *id, planish_error *error);
-
-/** Return the first named group that the cells of an entity are in, behind group after (-1: all); or
- *  -1. */
-int32_t exodus_next_group(const io_view *view, int32_t entity, int32_t after);
 
 #endif

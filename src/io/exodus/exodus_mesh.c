@@ -58,7 +58,7 @@ static int add_block(exodus_mesh *mesh, const io_view_block *of, int64_t facet) 
                               .type = io_view_find_type(types, of->type),
                               .n = of->n,
                               .facet = facet,
-                              .group = exodus_next_group(mesh->view, of->entity, -1)};
+                              .group = io_view_next_group(mesh->view, of->entity, -1)};
     const int is_shell = mesh->columns == 3 && strncmp(block.type->name, "QUAD", 4) == 0;
     snprintf(block.type_name, sizeof block.type_name, "%s%s", is_shell ? "SHELL" : "",
              block.type->name + (is_shell ? 4 : 0));

@@ -7,6 +7,9 @@
 #include "io/exodus/exodus_mesh.h"
 #include "io/netcdf/netcdf_write.h"
 
+#include "base/memory.h"
+#include "base/status.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -318,32 +321,42 @@ static void put_values(void *context, netcdf_out *file, const netcdf_out_variabl
 
 /* ---- losses --------------------------------------------------------------------------------- */
 
-/** Return whether a group of that name has members in the file. */
-static int has_members(const exodus_mesh *mesh, const char *name) {
-    const io_model *model = mesh->view->model;
-    int is = 0;
+/** Find out whether the name of a group has no members in the file: *has_empty. */
+static int look_for_empty(const exodus_mesh *mesh, int *has_empty, planish_error *error) {
+    const io_view *view = mesh->view;
+    const int64_t n = view->model->n_groups;
+    int32_t *first;
+    uint8_t *is_in = pl_alloc_zero(n, 1), *has_members = pl_alloc_zero(n, 1);
+    int status = io_view_find_names(view, &first, error);
+    if (!status && (!is_in || !has_members))
+        status = pl_fail_memory(error, "names of groups");
+    for (int64_t b = 0; b < mesh->n_blocks && !status; b++)
+        io_view_mark_groups(view, mesh->block[b].of->entity, is_in);
     for (int k = 0; k < 2; k++)
-        for (int64_t i = 0; i < mesh->sets[k].n && !is; i++)
-            is = strcmp(mesh->sets[k].group[i].name, name) == 0;
-    for (int32_t g = 0; g < model->n_groups && !is; g++)
-        if (strcmp(model->group[g].name, name) == 0)
-            for (int64_t b = 0; b < mesh->n_blocks && !is; b++)
-                is = io_view_is_in_group(mesh->view, mesh->block[b].of->entity, g);
-    return is;
+        for (int64_t i = 0; i < mesh->sets[k].n && !status; i++)
+            if (mesh->sets[k].group[i].group >= 0)
+                has_members[first[mesh->sets[k].group[i].group]] = 1;
+    for (int64_t g = 0; g < n && !status; g++)
+        has_members[first[g]] |= is_in[g];
+    *has_empty = 0;
+    for (int64_t g = 0; g < n && !status; g++)
+        *has_empty |= !has_members[first[g]];
+    pl_free(first);
+    pl_free(is_in);
+    pl_free(has_members);
+    return status;
 }
 
-static void list_losses(const exodus_mesh *mesh, io_losses *losses) {
-    const io_model *model = mesh->view->model;
+static int list_losses(const exodus_mesh *mesh, io_losses *losses, planish_error *error) {
     int has_several = 0, has_empty = 0, is_divided = 0, has_parts = 0;
     for (int64_t b = 0; b < mesh->n_blocks; b++) {
         const exodus_out_block *block = &mesh->block[b];
         has_several |= block->group >= 0 &&
-                       exodus_next_group(mesh->view, block->of->entity, block->group) >= 0;
+                       io_view_next_group(mesh->view, block->of->entity, block->group) >= 0;
         is_divided |= block->group >= 0 && !block->is_first;
         has_parts |= exodus_has_values(mesh, b) && !block->of->begins_set;
     }
-    for (int32_t g = 0; g < model->n_groups; g++)
-        has_empty |= !has_members(mesh, model->group[g].name);
+    const int status = look_for_empty(mesh, &has_empty, error);
     if (has_several)
         io_losses_add(losses, "all but the first group of elements that are in several");
     if (is_divided)
@@ -352,6 +365,7 @@ static void list_losses(const exodus_mesh *mesh, io_losses *losses) {
         io_losses_add(losses, "regions of several types as one");
     if (has_empty)
         io_losses_add(losses, "names of groups without elements");
+    return status;
 }
 
 /* ---- the file ------------------------------------------------------------------------------- */
@@ -360,11 +374,11 @@ static int exodus_write(const io_view *view, pl_output *output, io_losses *losse
                         planish_error *error) {
     exodus_out e = {.is_float = view->model->precision == PLANISH_PRECISION_FLOAT};
     netcdf_out_begin(&e.file, output, error);
-    const int status = exodus_mesh_make(view, &e.mesh, error);
+    int status = exodus_mesh_make(view, &e.mesh, error);
     if (!status) {
         describe(&e);
         netcdf_out_write(&e.file, put_values, &e);
-        list_losses(&e.mesh, losses);
+        status = list_losses(&e.mesh, losses, error);
     }
     planish_data_free(&e.data);
     exodus_mesh_release(&e.mesh);

@@ -61,6 +61,50 @@ static int choose_number(const io_model *model, int dim, int64_t number, uint8_t
     return found;
 }
 
+/** Number of a group that is chosen. */
+typedef struct chosen_number {
+    int dim;
+    int32_t number;
+    int is_physical; /* entities have it as a physical group */
+} chosen_number;
+
+static int compare_numbers(const void *a, const void *b) {
+    const chosen_number *x = a, *y = b;
+    if (x->dim != y->dim)
+        return x->dim < y->dim ? -1 : 1;
+    return (x->number > y->number) - (x->number < y->number);
+}
+
+static chosen_number *find_number(chosen_number *numbers, int64_t n, int dim, int32_t number) {
+    const chosen_number key = {dim, number, 0};
+    return bsearch(&key, numbers, (size_t)n, sizeof key, compare_numbers);
+}
+
+/** Choose the entities of numbers [n], which are sorted for that, as choose_number does: groups of one
+ *  name may be many, and entities, too. */
+static void choose_numbers(const io_model *model, chosen_number *numbers, int64_t n,
+                           uint8_t *chosen) {
+    int64_t n_kept = 0;
+    qsort(numbers, (size_t)n, sizeof *numbers, compare_numbers);
+    for (int64_t i = 0; i < n; i++)
+        if (i == 0 || compare_numbers(&numbers[i], &numbers[n_kept - 1]) != 0)
+            numbers[n_kept++] = numbers[i];
+    for (int32_t i = 0; i < model->n_entities && n > 0; i++) {
+        const io_entity *e = &model->entity[i];
+        for (int k = 0; k < e->n_physical; k++) {
+            chosen_number *found = find_number(numbers, n_kept, e->dim, e->physical[k]);
+            if (found)
+                found->is_physical = chosen[i] = 1;
+        }
+    }
+    for (int32_t i = 0; i < model->n_entities && n > 0; i++) {
+        const io_entity *e = &model->entity[i];
+        const chosen_number *found = find_number(numbers, n_kept, e->dim, e->tag);
+        if (found && !found->is_physical)
+            chosen[i] = 1;
+    }
+}
+
 enum { MOST_LISTED = 10, TAG_SIZE = 64 };
 
 /** Put a tag in a list of n for a message, unless it is in there already. Return how many there are
@@ -151,6 +195,10 @@ static int choose_tag(const io_model *model, const char *text, int dim, uint8_t 
     tag t = tag_parse(text, dim);
     t.has_number = t.has_number && !model->groups_by_name;
     int found = 0;
+    int64_t n = 0;
+    chosen_number *numbers = pl_alloc(model->n_groups, sizeof *numbers);
+    if (!numbers)
+        return pl_fail_memory(error, "the groups of nodes");
     for (int32_t i = 0; i < model->n_groups; i++) {
         const io_group *group = &model->group[i];
         if (dim >= 0 && group->dim != dim)
@@ -158,9 +206,11 @@ static int choose_tag(const io_model *model, const char *text, int dim, uint8_t 
         if (!is_called(group, text) &&
             !(t.has_number && group->tag == t.number && (t.dim < 0 || t.dim == group->dim)))
             continue;
-        choose_number(model, group->dim, group->tag, chosen);
+        numbers[n++] = (chosen_number){group->dim, group->tag, 0};
         found = 1;
     }
+    choose_numbers(model, numbers, n, chosen);
+    pl_free(numbers);
     if (t.has_number && (dim < 0 || t.dim == dim))
         found |= choose_number(model, t.dim, t.number, chosen);
     return found ? PLANISH_OK : fail_tag(model, text, dim, error);

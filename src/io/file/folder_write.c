@@ -18,6 +18,7 @@
 #include <errno.h>
 #include <limits.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -125,6 +126,7 @@ typedef struct writer {
     pl_temporaries temporaries;
     pl_folder_output folder;
     planish_error *error;
+    char *roots[2]; /* the input's folder, and that of its files within, without links; of malloc */
 } writer;
 
 /** Copy the file at path to output. */
@@ -178,6 +180,35 @@ static int write_file(writer *w, const char *name, const char *path) {
 
 static int write_entries(writer *w, const char *place, const char *inner, int is_mesh);
 
+/** Find the folders that files are copied from. */
+static int find_roots(writer *w, const char *place) {
+    w->roots[0] = pl_path_resolve(w->file->model.folder);
+    w->roots[1] = pl_path_resolve(place);
+    return w->roots[0] && w->roots[1] ? PLANISH_OK
+                                      : pl_fail_errno(w->error, place, "cannot be read");
+}
+
+/** Check that what is at path is in the input's folder: a link may lead to anything else, which nobody
+ *  means to hand on with the mesh. What the mesh has been read from may be elsewhere. */
+static int check_place(const writer *w, const char *path) {
+    const io_model *model = &w->file->model;
+    int is_within = strcmp(path, model->input.path) == 0 || find_companion(model, path);
+    char *own = is_within ? NULL : pl_path_resolve(path);
+    if (!is_within && !own)
+        return pl_fail_errno(w->error, path, "cannot be read");
+    for (int i = 0; i < 2 && !is_within; i++) {
+        const size_t length = strlen(w->roots[i]);
+        is_within = strncmp(own, w->roots[i], length) == 0 &&
+                    (pl_path_is_separator(own[length]) || pl_path_is_separator(own[length - 1]));
+    }
+    free(own);
+    return is_within ? PLANISH_OK
+                     : pl_fail(w->error, PLANISH_ERROR_FILE,
+                               "%s: is a link to something elsewhere, which is not copied into the "
+                               "new folder; put a copy in its place, or remove it",
+                               path);
+}
+
 /** Write an entry of a folder, at path, to target: a file that is wanted, or a folder with its files. */
 static int write_entry(writer *w, const char *name, const char *path, const char *target,
                        int is_mesh) {
@@ -191,11 +222,13 @@ static int write_entry(writer *w, const char *name, const char *path, const char
         return PLANISH_OK;
     if (pl_file_find(path, &about)) /* a link may lead nowhere */
         return errno == ENOENT ? PLANISH_OK : pl_fail_errno(w->error, path, "cannot be read");
-    if (is_wanted && about.kind == PL_FILE_REGULAR)
-        return write_file(w, target, path);
-    if (!is_folder || about.kind != PL_FILE_FOLDER)
+    const int is_file = is_wanted && about.kind == PL_FILE_REGULAR;
+    if (!is_file && (!is_folder || about.kind != PL_FILE_FOLDER))
         return PLANISH_OK;
-    const int status = pl_folder_add(&w->folder, target, w->temporaries, w->error);
+    int status = check_place(w, path);
+    if (status || is_file)
+        return status ? status : write_file(w, target, path);
+    status = pl_folder_add(&w->folder, target, w->temporaries, w->error);
     return status ? status : write_entries(w, path, target, 0);
 }
 
@@ -246,7 +279,7 @@ static int make_inner_folders(writer *w) {
 int io_folder_write(const planish_file *file, const char *path, const double *coordinates,
                     int threads, pl_temporaries temporaries, planish_error *error) {
     const io_model *model = &file->model;
-    writer w = {file, coordinates, threads, temporaries, {.n = 0}, error};
+    writer w = {file, coordinates, threads, temporaries, {.n = 0}, error, {NULL, NULL}};
     char *target = io_folder_trim(path), *place = io_folder_path(model, "");
     planish_error changed;
     int status =
@@ -257,6 +290,9 @@ int io_folder_write(const planish_file *file, const char *path, const double *co
         status = make_inner_folders(&w);
     if (!status) {
         place[strlen(place) - 1] = '\0'; /* the separator at its end */
+        status = find_roots(&w, place);
+    }
+    if (!status) {
         status = write_entries(&w, place, model->inner, 1);
     }
     /* A failure that comes of an input that changed is better told so. */
@@ -268,6 +304,8 @@ int io_folder_write(const planish_file *file, const char *path, const double *co
     if (!status)
         status = pl_folder_commit(&w.folder, temporaries, error);
     pl_folder_release(&w.folder, temporaries);
+    for (int i = 0; i < 2; i++)
+        free(w.roots[i]);
     pl_free(target);
     pl_free(place);
     return status;

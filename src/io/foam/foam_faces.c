@@ -181,6 +181,8 @@ static int read_single_faces(face_reader *r, planish_error *error) {
         mesh->start[face] = r->n_nodes;
         if (!status && n < LEAST)
             status = fail_size(r, at, face, n, n, error);
+        else if (!status && n > r->file.cursor.at - at) /* 65536{0}: equal ones take no room */
+            status = fail_face(r, at, face, error);
         for (int64_t k = 0; k < n && !status; k++)
             status = append_node(r, nodes[k], error);
         pl_free(nodes);

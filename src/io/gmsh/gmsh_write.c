@@ -106,19 +106,16 @@ static int find_entities(gmsh_out *g, planish_error *error) {
 
 /* ---- groups -------------------------------------------------------------------------------- */
 
-/** Find physical group number i, 0 and up, of an entity: its tag, or 0 behind the last. Groups that
- *  the file names by the tags of entities are physical ones, too. */
-static int64_t physical_of(const io_view *view, int32_t entity, int i) {
-    const io_model *model = view->model;
-    const io_entity *e = entity >= 0 ? &model->entity[entity] : NULL;
-    for (int k = 0; e && k < e->n_physical; k++)
-        if (e->physical[k] > 0 && i-- == 0)
-            return e->physical[k];
-    for (int32_t g = 0; e && g < model->n_groups; g++)
-        if (!view->is_physical[g] && model->group[g].tag > 0 &&
-            io_view_is_in_group(view, entity, g) && i-- == 0)
-            return model->group[g].tag;
-    return 0;
+/** Find the next physical group of an entity, from number *k, 0 and up, on: its tag, or 0 behind the
+ *  last. Groups that the file names by the tags of entities are physical ones, too. */
+static int64_t next_physical(const io_view *view, int32_t entity, int *k) {
+    const io_entity *e = entity >= 0 ? &view->model->entity[entity] : NULL;
+    for (; e && *k < e->n_physical; ++*k)
+        if (e->physical[*k] > 0)
+            return e->physical[(*k)++];
+    const int is_own = e && *k == e->n_physical && io_view_group_at(view, entity, *k) >= 0;
+    ++*k;
+    return is_own && e->tag > 0 ? e->tag : 0;
 }
 
 static void put_names(gmsh_out *g) {
@@ -196,16 +193,17 @@ static void find_range(const io_view *view, int of_cells, int64_t range[2]) {
 
 static void put_entity(gmsh_out *g, out_entity *e) {
     const int32_t entity = g->blocks.block[e->first].entity;
-    int n = 0;
+    int n = 0, at = 0;
+    int64_t tag;
     find_box(g, e);
     io_put_integer(&g->writer, 0, e->tag);
     for (int k = 0; k < 6; k++)
         io_put_real(&g->writer, ' ', k < 3 ? e->low[k] : e->high[k - 3], 0);
-    while (physical_of(g->view, entity, n))
+    while (next_physical(g->view, entity, &at))
         n++;
     io_put_integer(&g->writer, ' ', n);
-    for (int i = 0; i < n; i++)
-        io_put_integer(&g->writer, ' ', physical_of(g->view, entity, i));
+    for (at = 0; (tag = next_physical(g->view, entity, &at));)
+        io_put_integer(&g->writer, ' ', tag);
     io_put_text(&g->writer, " 0\n");
 }
 
@@ -276,8 +274,9 @@ static void put_elements22(gmsh_out *g) {
             const io_view_block *block = &g->blocks.block[b];
             const io_view_type *type = io_view_find_type(types, block->type);
             char between[64];
+            int k = 0;
             snprintf(between, sizeof between, " %d 2 %" PRId64 " %" PRId64, type->number,
-                     physical_of(g->view, block->entity, 0), g->entity[e].tag);
+                     next_physical(g->view, block->entity, &k), g->entity[e].tag);
             for (int64_t i = 0; i < block->n; i++)
                 put_cell(g, block->cell[i], type, between);
         }
@@ -286,8 +285,11 @@ static void put_elements22(gmsh_out *g) {
 
 static void lose_groups22(const gmsh_out *g, io_losses *losses) {
     int several = 0;
-    for (int64_t b = 0; b < g->blocks.n; b++)
-        several |= physical_of(g->view, g->blocks.block[b].entity, 1) != 0;
+    for (int64_t b = 0; b < g->blocks.n; b++) {
+        const int32_t entity = g->blocks.block[b].entity;
+        int k = 0;
+        several |= next_physical(g->view, entity, &k) && next_physical(g->view, entity, &k);
+    }
     if (several)
         io_losses_add(losses, "all but the first group of elements that are in several");
 }

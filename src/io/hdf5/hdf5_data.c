@@ -83,7 +83,9 @@ static int check_size(io_hdf5 *file, const char *path, const hdf5_dataset *d) {
                     : (bytes < INT64_MAX / LARGEST_EXPANSION / 2 ? LARGEST_EXPANSION * bytes
                                                                  : INT64_MAX / 2) +
                           SMALL_DATA;
-    const int64_t values = most / (d->size > 0 ? d->size : 1);
+    /* Numbers are read as such of 8 bytes: packed ones of fewer could become many times more. */
+    const int64_t least = d->is_plain ? 1 : (int64_t)sizeof(double);
+    const int64_t values = most / (d->size > least ? d->size : least);
     if (d->shape.n > values)
         return io_hdf5_fail(file, path,
                             "%lld values of %lld bytes cannot be in a file of %lld bytes; it is "

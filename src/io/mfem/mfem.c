@@ -134,6 +134,21 @@ static char *copy_name(io_slice name, int64_t *length) {
     return text;
 }
 
+/** Note that n groups are to have a name of length bytes. Each keeps it, and a file could give one long
+ *  name to all of many attributes. */
+static int check_names(mfem_reader *r, const char *at, int64_t length, int64_t n) {
+    enum { PER_BYTE = 64, FREE = 1 << 20 };
+    const int64_t left = FREE + PER_BYTE * r->model->input.size - r->named;
+    if (length > 0 && n > left / length)
+        return io_fail_at(
+            r->model, at, r->error,
+            "a set with a name of %lld bytes has %lld attributes: too much for a file "
+            "of this size; give it a shorter name",
+            (long long)length, (long long)n);
+    r->named += length * n;
+    return PLANISH_OK;
+}
+
 /** Read named sets of attributes, which become groups of dimension dim. */
 static int read_sets(mfem_reader *r, const char *name, int dim) {
     int64_t n_sets = 0, n = 0, attribute = 0, length;
@@ -152,6 +167,8 @@ static int read_sets(mfem_reader *r, const char *name, int dim) {
         status = io_take_whole(&kind, &r->cursor, i, 0, INT32_MAX, &n, r->error);
         if (!status)
             status = io_check_room(r->model, r->cursor, n, 2, "attributes", r->error);
+        if (!status)
+            status = check_names(r, at, length, n);
         for (int64_t k = 0; k < n && !status; k++) {
             status =
                 io_take_whole(&kind, &r->cursor, i, INT32_MIN, INT32_MAX, &attribute, r->error);

@@ -75,7 +75,7 @@ typedef struct mfem_reader {
     io_text text;
     io_cursor cursor;
     int version, dim, columns; /* 10: v1.0 */
-    int64_t n_sets;            /* named sets so far */
+    int64_t named;             /* bytes of the names of all groups so far */
     mfem_list elements, boundary;
     int64_t n_vertices;
     int32_t *vertex_node; /* [n_vertices] owned: node, MFEM_NO_NODE or MFEM_SEVERAL_NODES. NULL: the

@@ -658,14 +658,16 @@ static int nastran_read(io_model *model, planish_error *error) {
 /** Find a GRID or BEGIN BULK at the beginning of a line. */
 static int nastran_recognise(const char *data, int64_t size) {
     io_cursor cursor = io_begin_text(data, size);
+    const char *looked_at = data; /* no '\0' is before it */
     while (cursor.at < cursor.end) {
         const nastran_line l = nastran_take_line(&cursor);
         const io_slice name = io_slice_trim(l.name), text = io_slice_trim(l.text);
         const char first = name.begin < name.end ? io_upper(*name.begin) : '\0';
         if (first != 'G' && first != 'B')
             continue;
-        if (memchr(data, '\0', (size_t)(name.begin - data)))
+        if (memchr(looked_at, '\0', (size_t)(name.begin - looked_at)))
             return 0; /* not text, but bytes that spell a word */
+        looked_at = name.begin;
         if (nastran_line_begins(l.text, "BEGIN") && io_slice_length(text) > 5 &&
             nastran_line_begins((io_slice){text.begin + 5, text.end}, "BULK"))
             return 1;

@@ -103,17 +103,16 @@ static void put_block(nastran_out *n, const io_view_block *block) {
 
 /** Put the name of the group that a set is the only one of its number in. */
 static void put_property_name(nastran_out *n, const io_view_block *block) {
-    const io_model *model = n->view->model;
-    for (int32_t g = 0; g < model->n_groups; g++) {
-        if (!io_view_is_in_group(n->view, block->entity, g))
-            continue;
-        io_put_format(&n->writer, "$HMNAME PROP%*s%*" PRId32 "\"", FIELD + 1, "", FIELD,
-                      block->property);
-        for (const char *c = model->group[g].name; *c; c++)
-            io_put_bytes(&n->writer, *c == '"' || (unsigned char)*c < ' ' ? "_" : c, 1);
-        io_put_text(&n->writer, "\"\n");
+    const int32_t g = io_view_next_group(n->view, block->entity, -1);
+    if (g < 0)
         return;
-    }
+    const char *name = n->view->model->group[g].name;
+    io_put_format(&n->writer, "$HMNAME PROP%*s%*" PRId32 "\"", FIELD + 1, "", FIELD,
+                  block->property);
+    for (int i = 0; i < IO_VIEW_MOST_NAME && name[i]; i++)
+        io_put_bytes(&n->writer, name[i] == '"' || (unsigned char)name[i] < ' ' ? "_" : name + i,
+                     1);
+    io_put_text(&n->writer, "\"\n");
 }
 
 static int nastran_write(const io_view *view, pl_output *output, io_losses *losses,

@@ -26,8 +26,9 @@ static const char *data_of(const netcdf *file, const netcdf_variable *v) {
 }
 
 static int shape_of(netcdf *file, const char *name, netcdf_shape *shape) {
-    const netcdf_variable *v = netcdf_header_find(file->content, name);
-    if (!v)
+    const netcdf_header *header = file->content;
+    const netcdf_variable *v = netcdf_header_find(header, name);
+    if (!v || (v->is_record && header->n_records < 1)) /* no byte says how many values it has */
         return PLANISH_OK;
     if (v->rank > 2)
         return netcdf_fail(file, name, "an array of one or two dimensions was expected");

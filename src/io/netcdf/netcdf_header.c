@@ -275,6 +275,11 @@ static int compare_variables(const void *a, const void *b) {
     return compare_names(x->name, y->name);
 }
 
+static int compare_dims(const void *a, const void *b) {
+    const netcdf_dim *x = a, *y = b;
+    return compare_names(x->name, y->name);
+}
+
 int netcdf_header_read(const io_model *model, netcdf_header *h, planish_error *error) {
     const io_bytes *input = &model->input;
     *h = (netcdf_header){.model = model, .is_wide = input->data[3] == 5};
@@ -290,6 +295,8 @@ int netcdf_header_read(const io_model *model, netcdf_header *h, planish_error *e
         status = check_places(h, w.at.at - input->data, error);
     if (!status && h->n_variables > 0)
         qsort(h->variable, (size_t)h->n_variables, sizeof *h->variable, compare_variables);
+    if (!status && h->n_dims > 0) /* no variable refers to them by their order any more */
+        qsort(h->dim, (size_t)h->n_dims, sizeof *h->dim, compare_dims);
     return status;
 }
 
@@ -299,10 +306,11 @@ void netcdf_header_release(netcdf_header *h) {
 }
 
 int64_t netcdf_header_dimension(const netcdf_header *h, const char *name) {
-    for (int64_t i = 0; i < h->n_dims; i++)
-        if (io_slice_is(h->dim[i].name, name, 0))
-            return h->dim[i].length;
-    return 0;
+    const netcdf_dim key = {.name = {name, name + strlen(name)}};
+    const netcdf_dim *dim =
+        h->n_dims == 0 ? NULL
+                       : bsearch(&key, h->dim, (size_t)h->n_dims, sizeof *h->dim, compare_dims);
+    return dim ? dim->length : 0;
 }
 
 const netcdf_variable *netcdf_header_find(const netcdf_header *h, const char *name) {

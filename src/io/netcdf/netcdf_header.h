@@ -31,7 +31,7 @@ typedef struct netcdf_variable {
 
 typedef struct netcdf_header {
     const io_model *model;
-    netcdf_dim *dim; /* [n_dims] */
+    netcdf_dim *dim; /* [n_dims] in the order of their names */
     int64_t n_dims, dim_capacity;
     netcdf_variable *variable; /* [n_variables] in the order of their names */
     int64_t n_variables, variable_capacity;

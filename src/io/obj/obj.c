@@ -48,7 +48,8 @@ typedef struct obj_reader {
     io_model *model;
     planish_error *error;
     int64_t n_seen, n_faces; /* vertices and faces before the cursor */
-    obj_names names[3];      /* of the object, the groups, the material */
+    obj_names names[3];      /* of the object, the groups, the material, */
+    int64_t n_in_force;      /* and how many there were of all entities */
     int32_t entity[3];       /* of lines and faces by their dimension; -1: not made yet */
     int32_t *slot;           /* [n_slots] hash table of names: their numbers, or -1 */
     int64_t n_slots;
@@ -199,12 +200,27 @@ static int compare_numbers(const void *a, const void *b) {
     return (p > q) - (p < q);
 }
 
+/** Count n names that are in force. Each entity keeps its own, and a file could change one of many over
+ *  and over. */
+static int count_names(obj_reader *r, int64_t n) {
+    enum { PER_BYTE = 8, FREE = 1000000 };
+    r->n_in_force += n;
+    return r->n_in_force <= FREE + PER_BYTE * r->model->input.size
+               ? PLANISH_OK
+               : pl_fail(r->error, PLANISH_ERROR_FORMAT,
+                         "%s: face %lld: there are too many groups in force, over and over",
+                         r->model->input.path, (long long)r->n_faces);
+}
+
 /** Find the entity of elements of a dimension at the cursor: that of the names in force. */
 static int find_entity(obj_reader *r, int dim, int32_t *entity) {
     int64_t n = 0, n_kept = 0;
     for (int k = 0; k < 3; k++)
         n += r->names[k].n;
     if (r->entity[dim] < 0) {
+        const int status = count_names(r, n);
+        if (status)
+            return status;
         int32_t *all = pl_alloc(n, sizeof *all);
         if (!all)
             return pl_fail_memory(r->error, "the groups of the file");

@@ -55,6 +55,11 @@ static const struct {
 
 enum { N_KEYS = sizeof keys / sizeof *keys };
 
+/** Points of a zone, one after another. */
+typedef struct su2_zone {
+    int64_t first, n;
+} su2_zone;
+
 /** A section of lines: points or elements. */
 typedef struct su2_section {
     int is_points;
@@ -68,6 +73,8 @@ typedef struct su2_reader {
     planish_error *error;
     io_text text;
     int64_t dim, n_zones, zone; /* 0 so far; zone: the number of IZONE that have been met */
+    int has_points;             /* of the zone that is walked over */
+    su2_zone *points;           /* [zone or 1] owned: of each zone */
     su2_section *section;       /* [n_sections] owned, in the file's order */
     int64_t n_sections, section_capacity;
     io_slice *marker; /* [n_markers] owned: names, borrowed, by number from 1 */
@@ -126,9 +133,9 @@ static int note_section(su2_reader *r, io_slice key, su2_kind kind, io_cursor re
                                  .marker = kind == MARKER_ELEMENTS ? r->n_markers : 0,
                                  .zone = r->zone > 0 ? r->zone - 1 : 0,
                                  .lines = {.count = count, .data = rest.at, .end = rest.end}};
-    for (int64_t i = 0; section.is_points && i < r->n_sections; i++)
-        if (r->section[i].is_points && r->section[i].zone == section.zone)
-            return io_fail_at(r->model, key.begin, r->error, "NPOIN for the second time");
+    if (section.is_points && r->has_points)
+        return io_fail_at(r->model, key.begin, r->error, "NPOIN for the second time");
+    r->has_points |= section.is_points;
     if (kind == MARKER_ELEMENTS && !r->is_marker_open)
         return io_fail_at(r->model, key.begin, r->error, "MARKER_ELEMS without MARKER_TAG");
     if (kind == MARKER_ELEMENTS)
@@ -157,6 +164,7 @@ static int read_key(su2_reader *r, su2_kind kind, io_slice key, io_slice value, 
         r->n_zones = count;
         return PLANISH_OK;
     case ZONE:
+        r->has_points &= r->zone == 0; /* what stands before the first is of that */
         return ++r->zone == count
                    ? PLANISH_OK
                    : io_fail_at(r->model, value.begin, r->error, "IZONE= %lld: zone %lld expected",
@@ -230,17 +238,36 @@ static int read_points(void *context, io_cursor *cursor, int64_t begin, int64_t 
     return PLANISH_OK;
 }
 
+/** Find where the points of each zone begin, and how many there are: *n in all. */
+static int find_points(su2_reader *r, int64_t *n) {
+    *n = 0;
+    r->points = pl_alloc_zero(r->zone + 1, sizeof *r->points);
+    if (!r->points)
+        return pl_fail_memory(r->error, "the zones of the file");
+    for (int64_t i = 0; i < r->n_sections; i++) {
+        const su2_section *s = &r->section[i];
+        if (!s->is_points)
+            continue;
+        r->points[s->zone] = (su2_zone){*n, s->lines.count};
+        *n += s->lines.count;
+    }
+    return PLANISH_OK;
+}
+
 /** Read the points of all zones, one after the other. */
 static int read_all_points(su2_reader *r) {
     io_model *model = r->model;
-    int64_t n = 0;
-    for (int64_t i = 0; i < r->n_sections; i++)
-        n += r->section[i].is_points ? r->section[i].lines.count : 0;
-    if (!r->dim || n == 0)
+    int64_t n;
+    int status = find_points(r, &n);
+    if (!status && (!r->dim || n == 0))
         return io_fail_at(model, io_input_end(model), r->error,
                           "there is no %s (the file may be cut short)", r->dim ? "NPOIN" : "NDIME");
     model->columns = (int)r->dim;
-    int status = io_model_make_nodes(model, n, 8, 0, 0, NULL, r->error);
+    const io_cursor all = io_begin_text(model->input.data, model->input.size);
+    if (!status) /* of one zone they may be in the file, but not those of all */
+        status = io_check_count(model, all, n, 2 * 2, "points", r->error);
+    if (!status)
+        status = io_model_make_nodes(model, n, 8, 0, 0, NULL, r->error);
     r->first = 0;
     for (int64_t i = 0; i < r->n_sections && !status; i++) {
         const io_section *s = &r->section[i].lines;
@@ -328,27 +355,13 @@ static int read_run(void *context, io_cursor *cursor, int64_t begin, int64_t end
     return PLANISH_OK;
 }
 
-/** Find the first node of a zone, and how many it has. */
-static void find_zone(su2_reader *r, int64_t zone) {
-    r->first = r->n = 0;
-    for (int64_t i = 0; i < r->n_sections; i++) {
-        const su2_section *s = &r->section[i];
-        if (!s->is_points)
-            continue;
-        if (s->zone == zone) {
-            r->n = s->lines.count;
-            return;
-        }
-        r->first += s->lines.count;
-    }
-}
-
 /** Read the elements of a section: of the mesh, whose zones are regions, or of a marker. */
 static int read_section(su2_reader *r, const su2_section *section) {
     const io_section *s = &section->lines;
     io_sections runs = {0};
     int status = find_runs(r, s, &runs);
-    find_zone(r, section->zone);
+    r->first = r->points[section->zone].first;
+    r->n = r->points[section->zone].n;
     r->tag = (int32_t)(section->marker ? section->marker : -section->zone);
     r->first_number = section->marker ? 0 : r->n_elements;
     for (int64_t i = 0; i < runs.n && !status; i++) {
@@ -405,6 +418,7 @@ static int su2_read(io_model *model, planish_error *error) {
         status = make_groups(&r);
     io_text_release(&r.text);
     pl_free(r.section);
+    pl_free(r.points);
     pl_free(r.marker);
     return status;
 }

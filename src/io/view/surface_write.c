@@ -70,15 +70,14 @@ static int find_nodes(surface_out *s, planish_error *error) {
 /** Put the name of the set of a block: its first group, or its number; in one word. */
 static void put_name(surface_out *s, const io_view_block *block) {
     const io_model *model = s->view->model;
-    int32_t g = 0;
-    while (g < model->n_groups && !io_view_is_in_group(s->view, block->entity, g))
-        g++;
-    if (g == model->n_groups) {
+    const int32_t g = io_view_next_group(s->view, block->entity, -1);
+    if (g < 0) {
         io_put_format(&s->writer, "region%" PRId32, block->property);
         return;
     }
-    for (const char *c = model->group[g].name; *c; c++)
-        io_put_bytes(&s->writer, (unsigned char)*c <= ' ' ? "_" : c, 1);
+    const char *name = model->group[g].name;
+    for (int i = 0; i < IO_VIEW_MOST_NAME && name[i]; i++)
+        io_put_bytes(&s->writer, (unsigned char)name[i] <= ' ' ? "_" : name + i, 1);
 }
 
 static void put_place(surface_out *s, int32_t node, const char *lead) {

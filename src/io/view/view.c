@@ -198,41 +198,6 @@ static int look_at_numbers(io_view *view, planish_error *error) {
     return PLANISH_OK;
 }
 
-/* ---- groups -------------------------------------------------------------------------------- */
-
-static int has_physical(const io_entity *entity, int32_t tag) {
-    for (int i = 0; i < entity->n_physical; i++)
-        if (entity->physical[i] == tag)
-            return 1;
-    return 0;
-}
-
-/** Find out what the tags of groups are. */
-static int look_at_groups(io_view *view, planish_error *error) {
-    const io_model *model = view->model;
-    view->is_physical = pl_alloc_zero(model->n_groups, 1);
-    if (!view->is_physical)
-        return pl_fail_memory(error, "groups");
-    for (int64_t g = 0; g < model->n_groups; g++)
-        for (int32_t e = 0; e < model->n_entities && !view->is_physical[g]; e++)
-            view->is_physical[g] = model->entity[e].dim == model->group[g].dim &&
-                                   has_physical(&model->entity[e], model->group[g].tag);
-    return PLANISH_OK;
-}
-
-int io_view_is_in_group(const io_view *view, int32_t entity, int32_t group) {
-    const io_entity *e = entity >= 0 ? &view->model->entity[entity] : NULL;
-    const io_group *g = &view->model->group[group];
-    if (!e || e->dim != g->dim)
-        return 0;
-    return view->is_physical[group] ? has_physical(e, g->tag) : e->tag == g->tag;
-}
-
-int io_view_group_text(const io_model *model, int32_t group, char *text, size_t size) {
-    const io_group *g = &model->group[group];
-    return snprintf(text, size, "%d:%ld %s", g->dim, (long)g->tag, g->name);
-}
-
 /* ---- the view ------------------------------------------------------------------------------ */
 
 int io_view_begin(const io_model *model, const double *coordinates, const uint8_t *constraint,
@@ -246,12 +211,11 @@ int io_view_begin(const io_model *model, const double *coordinates, const uint8_
     view->n_cells = view->first[IO_VIEW_KINDS];
     look_at_volumes(view);
     const int status = look_at_numbers(view, error);
-    return status ? status : look_at_groups(view, error);
+    return status ? status : io_view_groups_begin(view, error);
 }
 
 void io_view_end(io_view *view) {
-    pl_free(view->is_physical);
-    view->is_physical = NULL;
+    io_view_groups_end(view);
 }
 
 /* ---- losses -------------------------------------------------------------------------------- */

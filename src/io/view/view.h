@@ -7,7 +7,7 @@
  *   io_view_node_number, _cell_number      numbers that a file can have,
  *   io_view_are_numbers                    and whether it can have these
  *   io_view_find_type                      types of elements that a format has
- *   io_view_is_in_group, _group_text       named groups
+ *   io_view_first_group, _next_group ...   named groups (view_groups.c)
  *   io_view_field                          arrays of numbers of nodes and elements
  *   io_losses_add, io_view_lose_...        what a writer leaves out
  *
@@ -22,6 +22,7 @@
 enum {
     IO_VIEW_KINDS = 5,
     IO_VIEW_LOST_SIZE = 512,
+    IO_VIEW_MOST_NAME = 256,       /* bytes of a name where each set of elements has it again */
     IO_VIEW_MOST_NUMBER = 99999999 /* the largest number of a node, element or property that all
                                       formats have room for */
 };
@@ -39,6 +40,12 @@ typedef struct io_view_field {
 typedef int io_view_load(void *file, const io_view_field *field, planish_data *data,
                          planish_error *error);
 
+/** Number of a group. */
+typedef struct io_view_key {
+    int dim;
+    int32_t tag, group;
+} io_view_key;
+
 /** A mesh to be written. Arrays are borrowed but for those of io_view_begin. */
 typedef struct io_view {
     const io_model *model;
@@ -52,6 +59,7 @@ typedef struct io_view {
                                                         have a negative volume */
     uint8_t *is_physical; /* [n_groups] entities have the group's tag among their physical ones, not
                              as their own; owned */
+    io_view_key *key;     /* [n_groups] in the order of their numbers; owned */
     const io_view_field *field; /* [n_fields] */
     int n_fields;
     io_view_load *load;
@@ -90,9 +98,27 @@ int64_t io_view_cell_number(const io_view *view, int64_t index, const io_view_ce
  *  IO_VIEW_MOST_NUMBER. */
 int io_view_are_numbers(int64_t *number, int64_t n);
 
-/** Return whether the cells of an entity (-1: none), or nodes of one of dimension 0, are in the
- *  model's named group. */
-int io_view_is_in_group(const io_view *view, int32_t entity, int32_t group);
+/** Make what finds groups, for io_view_begin, and release it. Error: _MEMORY. */
+int io_view_groups_begin(io_view *view, planish_error *error);
+void io_view_groups_end(io_view *view);
+
+/** Return the first group of a number, or -1. Several may have it. */
+int32_t io_view_first_group(const io_view *view, int dim, int64_t tag);
+
+/** Return how many numbers an entity (-1: none) may be in groups by, and the first group of number k of
+ *  these, which it is in, or -1. */
+int io_view_n_numbers(const io_view *view, int32_t entity);
+int32_t io_view_group_at(const io_view *view, int32_t entity, int k);
+
+/** Return the first group behind group after (-1: of all) that the cells or nodes of an entity (-1: none)
+ *  are in, or -1. */
+int32_t io_view_next_group(const io_view *view, int32_t entity, int32_t after);
+
+/** Set the bytes of all groups that an entity is in. Bytes of groups of one number are to be equal. */
+void io_view_mark_groups(const io_view *view, int32_t entity, uint8_t *mark);
+
+/** Find the first group of the name of each: *first [n_groups], owned in any case. Error: _MEMORY. */
+int io_view_find_names(const io_view *view, int32_t **first, planish_error *error);
 
 /** Write the group as "DIM:TAG NAME"; return snprintf's. */
 int io_view_group_text(const io_model *model, int32_t group, char *text, size_t size);

@@ -4,6 +4,7 @@
 #include "io/vtk/vtk_arrays.h"
 #include "io/vtk/vtk_write.h"
 
+#include "base/memory.h"
 #include "io/core/binary.h"
 
 #include <inttypes.h>
@@ -58,22 +59,24 @@ static void put_name(io_writer *writer, const char *name) {
 static void put_groups(markup *m) {
     const io_model *model = m->view->model;
     io_writer *writer = &m->writer;
+    int32_t *first;
     if (model->n_groups == 0)
         return;
+    const int status = io_view_find_names(m->view, &first, writer->error);
+    if (status && !writer->status)
+        writer->status = status;
     io_put_text(writer, "<FieldData>\n");
-    for (int32_t i = 0; i < model->n_groups; i++) {
+    for (int32_t i = 0; i < model->n_groups && !writer->status; i++) {
         const io_group *group = &model->group[i];
-        int32_t before = 0;
-        while (before < i && strcmp(model->group[before].name, group->name) != 0)
-            before++;
         io_put_text(writer, "<DataArray type=\"Int32\" Name=\"");
         put_name(writer, group->name);
-        if (before < i) /* arrays of one name would be one */
+        if (first[i] < i) /* arrays of one name would be one */
             io_put_format(writer, " %d:%ld", group->dim, (long)group->tag);
         io_put_format(writer, "\" NumberOfTuples=\"2\" format=\"ascii\">%ld %d</DataArray>\n",
                       (long)group->tag, group->dim);
     }
     io_put_text(writer, "</FieldData>\n");
+    pl_free(first);
 }
 
 static void put_section(markup *m, const char *name, const vtk_out_array *arrays, int n) {

@@ -15,6 +15,8 @@
 /* ---- types of elements ---------------------------------------------------------------------- */
 
 enum { QUADRILATERAL = 9, EDGE3 = 21, OTHER_TYPE = VTK_LAST_TYPE, MOST_SETS = 16384 };
+/* Nodes of sets: for each number that these list, and so many times all nodes of all cells. */
+enum { PER_NUMBER = 32, TIMES = 16 };
 
 /** Types of elements. code: in a Mixed topology; nodes 0: each element says how many there, and
  *  NodesPerElement elsewhere; vtk: VTK's type. */
@@ -284,6 +286,7 @@ typedef struct xdmf_set {
 typedef struct xdmf_sets {
     xdmf_set *set; /* [n] owned */
     int64_t n, capacity;
+    int64_t n_nodes, most; /* of all sets, and how many these may have */
 } xdmf_sets;
 
 static int add_node(xdmf_reader *r, xdmf_set *set, int64_t node) {
@@ -374,6 +377,14 @@ static int read_lists(xdmf_reader *r, int64_t element, int64_t *n, int32_t *list
     return status;
 }
 
+/** Check that cells have not more nodes than so many listed ones can: one of many nodes, listed over and
+ *  over, would fill the memory. */
+static int check_nodes(xdmf_reader *r, const xdmf_sets *sets, int64_t element) {
+    return sets->n_nodes <= sets->most
+               ? PLANISH_OK
+               : xdmf_fail(&r->document, element, "it lists cells of many nodes over and over");
+}
+
 /** Read a set of a piece: sets of edges, and of grids, are passed over. */
 static int read_set(xdmf_reader *r, const vtk_grid *grid, int64_t element, xdmf_sets *sets) {
     const xdmf_document *d = &r->document;
@@ -393,8 +404,9 @@ static int read_set(xdmf_reader *r, const vtk_grid *grid, int64_t element, xdmf_
     if (!status)
         status = read_lists(r, element, &n, list);
     const int64_t n_there = kind == SET_OF_NODES ? grid->n_points : grid->n;
+    sets->most += PER_NUMBER * n;
     for (int64_t i = 0; i < n && !status; i++) {
-        const int64_t number = list[0][i];
+        const int64_t number = list[0][i], n_before = set->n;
         if (number < 0 || number >= n_there)
             status = xdmf_fail(d, element, "number %lld of its list, %lld, is not in 0 .. %lld",
                                (long long)i, (long long)number, (long long)n_there - 1);
@@ -404,6 +416,9 @@ static int read_set(xdmf_reader *r, const vtk_grid *grid, int64_t element, xdmf_
             status = add_face(r, grid, number, list[1][i], set);
         else
             status = add_cell(r, grid, number, set);
+        sets->n_nodes += set->n - n_before;
+        if (!status)
+            status = check_nodes(r, sets, element);
     }
     pl_free(list[0]);
     pl_free(list[1]);
@@ -413,6 +428,7 @@ static int read_set(xdmf_reader *r, const vtk_grid *grid, int64_t element, xdmf_
 static int read_sets(xdmf_reader *r, const xdmf_piece *piece, const vtk_grid *grid,
                      xdmf_sets *sets) {
     int status = PLANISH_OK;
+    sets->most += TIMES * grid->n_connectivity;
     for (int64_t i = 0; i < piece->grids.n && !status; i++) {
         xdmf_list list = {0};
         status = xdmf_children(&r->document, piece->grids.element[i], "Set", &list);

@@ -14,6 +14,7 @@ typedef struct grid_walk {
     xdmf_mesh *mesh;
     int is_later; /* in a step that is not the first */
     int level;
+    int64_t n_taken; /* grids, once for each reference to them */
 } grid_walk;
 
 /* ---- one grid ------------------------------------------------------------------------------- */
@@ -162,6 +163,9 @@ static int take_grids(grid_walk *w, int64_t element, int is_series) {
 static int take_grid(grid_walk *w, int64_t grid) {
     const xdmf_document *d = &w->r->document;
     int64_t element;
+    /* Each is in one other grid. References can make many of a few, as they lead to grids with others. */
+    if (++w->n_taken > d->n)
+        return xdmf_fail(d, grid, "grids are referred to over and over");
     const int status = xdmf_resolve(&w->r->document, grid, &element);
     if (status)
         return status;

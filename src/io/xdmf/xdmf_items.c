@@ -86,6 +86,19 @@ static int find_type(xdmf_reader *r, xdmf_item *item) {
     return PLANISH_OK;
 }
 
+enum { MOST_NAME = 8192 }; /* of a file, and of what is in it */
+
+/** Refuse a file that its writer may not have meant to be seen: it is copied beside OUT, where programs
+ *  may look for one of that name. */
+static int check_file(xdmf_reader *r, const xdmf_item *item) {
+    return io_include_is_hidden(item->file)
+               ? xdmf_fail(
+                     &r->document, item->element,
+                     "'%.*s' is a hidden file; give it a name that does not begin with a point",
+                     IO_QUOTED(item->file))
+               : PLANISH_OK;
+}
+
 /** Find where the numbers are: FILE:PATH of HDF5, or the name of a file. */
 static int find_place(xdmf_reader *r, xdmf_item *item) {
     const xdmf_document *d = &r->document;
@@ -98,6 +111,8 @@ static int find_place(xdmf_reader *r, xdmf_item *item) {
                                                            : XDMF_BYTES;
     if (item->form == XDMF_TEXT)
         return PLANISH_OK;
+    if (io_slice_length(text) > MOST_NAME)
+        return xdmf_fail(d, item->element, "the name of a file is too long");
     item->file = text;
     while (text.end - item->file.begin > 2 && memcmp(item->file.begin, "./", 2) == 0)
         item->file.begin += 2;
@@ -117,7 +132,7 @@ static int find_place(xdmf_reader *r, xdmf_item *item) {
             at--;
         item->file.end = at;
         item->place = (io_slice){at < text.end ? at + 1 : at, text.end};
-        return at > text.begin ? PLANISH_OK
+        return at > text.begin ? check_file(r, item)
                                : xdmf_fail(d, item->element,
                                            "the name of a file and a path in it were expected, as "
                                            "in mesh.h5:/nodes");
@@ -137,7 +152,7 @@ static int find_place(xdmf_reader *r, xdmf_item *item) {
         if (io_parse_integer(&seek, end, &item->seek) || seek < end || item->seek < 0)
             return xdmf_fail(d, item->element, "Seek is not a number of bytes");
     }
-    return PLANISH_OK;
+    return check_file(r, item);
 }
 
 int xdmf_item_of(xdmf_reader *r, int64_t element, xdmf_item *item) {
@@ -257,7 +272,8 @@ static int fail_count(xdmf_reader *r, const xdmf_item *item, int64_t n) {
                      (long long)n);
 }
 
-int xdmf_check_count(xdmf_reader *r, const xdmf_item *item, int64_t *n) {
+/** Find the number of values of an item, and check that they can be there. */
+static int find_count(xdmf_reader *r, const xdmf_item *item, int64_t *n) {
     const io_slice text = xdmf_text(&r->document, item->element);
     xdmf_file *file = NULL;
     *n = item->n;
@@ -282,6 +298,26 @@ int xdmf_check_count(xdmf_reader *r, const xdmf_item *item, int64_t *n) {
     return item->seek <= size && *n <= (size - item->seek) / item->type.size
                ? PLANISH_OK
                : fail_count(r, item, *n);
+}
+
+/** Return the bytes of all files that are open. */
+static int64_t count_bytes(const xdmf_reader *r) {
+    int64_t n = r->document.view.input.size;
+    for (int64_t i = 0; i < r->n_files; i++)
+        n += r->file[i]->model->input.size;
+    return n;
+}
+
+int xdmf_check_count(xdmf_reader *r, const xdmf_item *item, int64_t *n) {
+    enum { FREE = 1 << 27, PER_BYTE = 64 };
+    const int status = find_count(r, item, n);
+    if (status)
+        return status;
+    r->n_counted += *n;
+    return r->n_counted / PER_BYTE <= FREE / PER_BYTE + count_bytes(r)
+               ? PLANISH_OK
+               : xdmf_fail(&r->document, item->element,
+                           "its values are referred to over and over; write the mesh as one grid");
 }
 
 int xdmf_read_text(xdmf_reader *r, const xdmf_item *item, int64_t n, int64_t tokens,

@@ -30,6 +30,7 @@ typedef struct xdmf_reader {
     xdmf_document document;
     xdmf_file **file; /* [n_files] owned */
     int64_t n_files, file_capacity;
+    int64_t n_counted; /* values that are to be read, once for each reference to them */
 } xdmf_reader;
 
 /** A DataItem. */

@@ -15,9 +15,9 @@
 #include <string.h>
 #include <strings.h>
 
-enum { NO_ELEMENT = -1, MOST_REFERENCES = 16 };
+enum { NO_ELEMENT = -1, MOST_REFERENCES = 16, MOST_PATH = 4096, MOST_ATTRIBUTES = 256 };
 
-/* Elements that all paths of a file may look at. */
+/* Elements that all paths and walks of a file may look at, once for each reference to them. */
 static const int64_t MOST_LOOKED_AT = INT64_C(1) << 28;
 
 /* ---- reading ------------------------------------------------------------------------------- */
@@ -58,6 +58,9 @@ static int begin_element(io_xml *xml, const char *name) {
                       .begin = xml->tag_end,
                       .end = xml->tag_end};
     int is_kept = e.name >= 0;
+    for (int n = 0; xml->attributes[n]; n++) /* each question to the element looks at all */
+        if (n == 2 * MOST_ATTRIBUTES)
+            return io_xml_fail(xml, "an element with more than 256 attributes");
     for (; is_kept && xml->attributes[e.n_attributes]; e.n_attributes++) {
         const int64_t place = keep_word(d, xml->attributes[e.n_attributes]);
         is_kept = place >= 0 && pl_append(&d->attribute, &d->n_attributes, &d->attribute_capacity,
@@ -81,11 +84,20 @@ static int begin_element(io_xml *xml, const char *name) {
     return PLANISH_OK;
 }
 
+/** Leave white space around the text of an element out. */
+static void trim_text(const char *data, xdmf_element *e) {
+    while (e->begin < e->end && io_is_space(data[e->begin]))
+        e->begin++;
+    while (e->begin < e->end && io_is_space(data[e->end - 1]))
+        e->end--;
+}
+
 static int end_element(io_xml *xml, const char *name) {
     xdmf_document *d = xml->user;
     xdmf_element *e = &d->element[d->open];
     (void)name;
     e->is_broken = e->child == NO_ELEMENT && xml->tag_begin > e->begin && e->end != xml->tag_begin;
+    trim_text(xml->model->input.data, e);
     d->open = e->parent;
     return PLANISH_OK;
 }
@@ -131,12 +143,7 @@ const char *xdmf_attribute(const xdmf_document *d, int64_t element, const char *
 io_slice xdmf_text(const xdmf_document *d, int64_t element) {
     const xdmf_element *e = &d->element[element];
     const char *data = d->view.input.data;
-    io_slice s = {data + e->begin, data + e->end};
-    while (s.begin < s.end && io_is_space(*s.begin))
-        s.begin++;
-    while (s.begin < s.end && io_is_space(s.end[-1]))
-        s.end--;
-    return s;
+    return (io_slice){data + e->begin, data + e->end};
 }
 
 int xdmf_fail(const xdmf_document *d, int64_t element, const char *format, ...) {
@@ -357,6 +364,8 @@ static int take_steps(path_walk *w, xdmf_list *list) {
  *  before leaves where it is the same. */
 static int follow(xdmf_document *d, int64_t element, io_slice path) {
     const int64_t length = io_slice_length(path);
+    if (length > MOST_PATH)
+        return xdmf_fail(d, element, "its path of %lld characters is too long", (long long)length);
     if (d->last_path && (int64_t)strlen(d->last_path) == length &&
         memcmp(d->last_path, path.begin, (size_t)length) == 0)
         return PLANISH_OK;
@@ -435,6 +444,8 @@ int xdmf_children(xdmf_document *d, int64_t element, const char *name, xdmf_list
     int status = PLANISH_OK;
     list->n = 0;
     for (int64_t c = d->element[element].child; c != NO_ELEMENT && !status; c = d->element[c].next)
-        status = add_named(d, c, name, list);
+        status = ++d->n_looked_at > MOST_LOOKED_AT
+                     ? xdmf_fail(d, element, "it is referred to too many times")
+                     : add_named(d, c, name, list);
     return status;
 }

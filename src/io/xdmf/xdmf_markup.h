@@ -19,8 +19,8 @@ typedef struct xdmf_element {
         next;                         /* next: sibling; child, last: the first and last one in it */
     int64_t name;                     /* place in xdmf_document.text */
     int64_t attributes, n_attributes; /* of xdmf_document.attribute */
-    int64_t tag, begin, end;          /* bytes of the file: its tag; its text before any markup */
-    int is_broken;                    /* markup stands among its text */
+    int64_t tag, begin, end;          /* bytes of the file: its tag; its text before any markup, */
+    int is_broken;                    /* without white space around it; markup stands among it */
 } xdmf_element;
 
 /** List of elements. */
@@ -39,7 +39,7 @@ typedef struct xdmf_document {
     int64_t n_attributes, attribute_capacity;
     char *text; /* [n_text] owned: words, each with its '\0' */
     int64_t n_text, text_capacity;
-    int64_t n_looked_at; /* elements, by paths */
+    int64_t n_looked_at; /* elements, by paths and walks */
     int64_t open;        /* while it is read: the element that has begun last and not ended */
     char *last_path;     /* that was followed, and its elements; owned */
     xdmf_list last_found;
