@@ -115,7 +115,7 @@ void pl_picture_put(pl_markup *page, const pl_picture *picture) {
     put_triangles(page, picture);
     if (picture->is_solid)
         put_inside(page, picture);
-    pl_markup_put(page, ",\n\"states\":[");
+    pl_markup_put(page, ",\n\"start\":%.17g,\"states\":[", pl_picture_start(picture));
     for (int i = 0; i < picture->n_states; i++) {
         const pl_drawn_state *s = &picture->states[i];
         pl_markup_put(page, "%s{\"name\":\"%s\",\"inverted\":%" PRId64, i ? ",\n" : "", s->name,

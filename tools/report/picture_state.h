@@ -54,4 +54,8 @@ struct pl_picture {
     int n_states;
 };
 
+/** Return the ratio beyond which elements inside are drawn at first: a usual one, or less so that a few of
+ *  the worst are seen. */
+double pl_picture_start(const pl_picture *picture);
+
 #endif

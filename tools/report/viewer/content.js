@@ -2,8 +2,8 @@
 const planishContent = (function () {
 'use strict';
 
-const {dim, isFlat, isComplete, measures, COLOURS, INVERTED} = planishData;
-const {part, themeColour, plural, textOf} = planishPage;
+const {isFlat, isComplete, measures, COLOURS, INVERTED} = planishData;
+const {part, themeColour, countOf, plural, textOf} = planishPage;
 const {chosen, slider, lowest, highest, limit, countWorse} = planishChosen;
 const {paintFacets} = planishShape, {makeDots, addElements, brushed} = planishElements;
 const {crossing, addSquares, clip} = planishCut, {layers, drawSoon} = planishView;
@@ -14,7 +14,7 @@ function describeBrush(i, drawn) {
     const to = measure.edges[brush.to], n = brush.counts[i];
     const text = plural(n, 'element') + ', ' + measure.name + ' ' + measure.edges[brush.from] +
         measure.unit + (to === null ? ' and more' : ' to ' + to + measure.unit);
-    return isFlat || drawn >= n ? text : text + '; ' + drawn.toLocaleString('en') + ' of them are drawn';
+    return isFlat || drawn >= n ? text : text + '; ' + countOf(drawn) + ' of them are drawn';
 }
 
 /** What a view shows, in words. */
@@ -22,9 +22,9 @@ function describe(state, value, text) {
     const drawn = countWorse(state, Infinity), n = countWorse(state, value);
     if (value === Infinity || drawn < state.inverted) // more than are drawn, whatever the value
         return plural(state.inverted, 'inverted element') +
-            (drawn < state.inverted ? ', of which ' + drawn.toLocaleString('en') + ' are drawn' : '');
+            (drawn < state.inverted ? ', of which ' + countOf(drawn) + ' are drawn' : '');
     return plural(n, 'element') + ' worse than ' + text +
-        (drawn ? ', ' + drawn.toLocaleString('en') + ' of them inverted' : '');
+        (drawn ? ', ' + countOf(drawn) + ' of them inverted' : '');
 }
 
 /** Draw of a layer what is chosen, and say what that is. */
@@ -42,11 +42,10 @@ function updateLayer(layer, i) {
         if (solid)
             addElements(content, state.inside, inside, true);
     } else {
-        for (let k = 0; k < countWorse(state, limit()); k++)
-            list.push(k);
+        list = Array.from({length: countWorse(state, limit())}, (_, k) => k);
     }
-    addElements(content, state.bad, list, dim === 3);
-    if (dim === 2 && !chosen.brush) /* inverted ones show from afar */
+    addElements(content, state.bad, list, !isFlat);
+    if (isFlat && !chosen.brush) /* inverted ones show from afar */
         content.add(makeDots(state.bad, list.slice(0, countWorse(state, Infinity))));
     clip(content);
     if (chosen.cut && isComplete)
