@@ -64,8 +64,9 @@ expect_picture tangled.html "$inverted of them inverted"
 # More inverted elements than are drawn: what is bad after that is still to be seen.
 python3 "$cli/make_mesh.py" 20 0.9 large.mesh
 expect_status 0 "$program" smooth large.mesh -o smooth.mesh --report large.html -q
-expect_picture large.html "of which 4,000 are drawn" "after: "
-grep -q 'after: <span class="count">[0-9,]* elements worse than 1\.[0-9]' dom || fail "no element of the result can be chosen"
+thin=$(printf '\u202f') # between groups of three digits
+expect_picture large.html "of which 4${thin}000 are drawn" "after: "
+grep -q 'after: <span class="count">[0-9'"$thin"']* elements worse than 1\.[0-9]' dom || fail "no element of the result can be chosen"
 expect_picture plane.html "elements worse than"
 expect_picture quality.html "$inverted of them inverted"
 
@@ -92,7 +93,7 @@ cat >brush.js <<'END'
     const [from, to] = figure.querySelectorAll('select');
     const first = await set('.worse', find('.worse').value); /* drawn as often as what is compared with it */
     const caption = () => [...document.querySelectorAll('#picture .count')].pop().textContent;
-    const text = n => n.toLocaleString('en') + ' element' + (n === 1 ? '' : 's') + ', smallest angle ';
+    const text = n => n.toLocaleString('en').replaceAll(',', '\u202f') + ' element' + (n === 1 ? '' : 's') + ', smallest angle ';
     const sum = (i, j) => counts[counts.length - 1].split(',').slice(i, j).map(Number).reduce((a, b) => a + b);
     say('lists', await set(from, 3, 'change') !== first && caption().startsWith(text(sum(3)) + '15° to '));
     await set(to, 4, 'change');
@@ -156,6 +157,29 @@ END
 add played.html still.js
 browse probed.html --force-prefers-reduced-motion --dump-dom
 grep -q 'data-still="true"' dom || fail "played.html without motion"
+# The slider begins where something is seen, also of a mesh without bad elements.
+python3 "$cli/make_mesh.py" 6 0.1 good.mesh
+expect_status 0 "$program" quality good.mesh --report good.html -q
+cat >start.js <<'END'
+    await frame();
+    say('good', planishData.states[0].bad.ratios[0] < 3);
+    say('start', /^[1-9].* elements worse than [12]\./.test(find('#picture .count').textContent));
+END
+probe good.html start.js good start
+
+# On paper both states stand beside one another, in a copy that is there for that time.
+cat >paper.js <<'END'
+    await frame();
+    window.dispatchEvent(new Event('beforeprint'));
+    const paper = find('.view .paper'), {width, height} = paper || {};
+    const drawn = from => paper.getContext('2d').getImageData(from * width, 0, 0.4 * width, height).data
+        .filter((value, i) => i % 4 === 3 && value > 0).length;
+    say('paper', paper && drawn(0.05) > 10000 && drawn(0.55) > 10000);
+    window.dispatchEvent(new Event('afterprint'));
+    say('gone', !find('.view .paper') && !document.querySelector('.apart').checked);
+END
+probe solid.html paper.js paper gone
+probe plane.html paper.js paper gone
 
 # Tables fit a window and a phone; so does the page.
 cat >narrow.js <<'END'
@@ -177,7 +201,7 @@ for page in solid plane tangled played; do
 done
 
 # Without WebGL there are still pictures.
-sed 's/getContext(.webgl.)/getContext("none")/' tangled.html >without.html
+sed "s/getContext('webgl',/getContext('none',/" tangled.html >without.html
 browse without.html --dump-dom
 [ ! -s console ] && grep -q "has no WebGL" dom && ! grep -q '<canvas' dom || fail "without WebGL that should be said"
 [ "$(grep -c 'class="still"' dom)" -eq 2 ] && grep -q 'stroke="#d600c8"' dom || fail "still pictures with inverted elements"

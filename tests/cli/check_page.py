@@ -73,7 +73,11 @@ def check_words(page):
 def real(value):
     if value is None:
         return "\u2013"
-    return "%.0f" % value if 1e4 <= abs(value) < 1e7 else "%.4g" % value
+    if value == 0:
+        return "0"
+    if 9999.5 <= abs(value) < 1e7:
+        return "{:,.0f}".format(value).replace(",", " ")
+    return ("%#.4g" % value).rstrip(".")
 
 
 def is_worse(result):
@@ -219,6 +223,9 @@ def check_picture(page, files):
             check_ratios(picture, unpack(state["codes"], "B"), mesh)
         else:
             check_inside(picture, state, mesh)
+    if not picture.get("flat") and picture["dim"] == 3:
+        worst = [unpack(state["bad_ratios"], "f")[0] for state in picture["states"]]
+        assert 0 in worst or 1 <= picture["start"] < max(worst), "nothing is seen at first"
 
 
 def main():

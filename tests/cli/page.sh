@@ -102,6 +102,25 @@ cp run.json copy.json
 expect_status 0 "$program" report copy.json
 cmp copy.html run.html || fail "the page beside the JSON"
 
+# A surface in space is drawn from its files, too.
+python3 - >ring.off <<'END'
+import math
+n, m = 16, 8
+print("OFF\n%d %d 0" % (n * m, 2 * n * m))
+for i in range(n):
+    for j in range(m):
+        u, v = 2 * math.pi * (i + 0.3 * (j % 2)) / n, 2 * math.pi * j / m
+        print((2 + math.cos(v)) * math.cos(u), (2 + math.cos(v)) * math.sin(u), math.sin(v))
+for i in range(n):
+    for j in range(m):
+        a, b, c, d = (k % n * m + l % m for k, l in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)))
+        print(3, a, b, c, "\n3", a, c, d)
+END
+expect_status 0 "$program" smooth ring.off -o round.off --json ring.json --report ring.html -q
+expect_status 0 "$program" report ring.json -o again.html
+[ ! -s err ] || fail "report of a surface: $(cat err)"
+cmp ring.html again.html || fail "the page of the JSON of a surface"
+
 # Meshes that are gone or have changed are not drawn, and that is said.
 if [ -n "$picture" ]; then
     mv smooth.mesh gone.mesh

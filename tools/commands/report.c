@@ -250,17 +250,22 @@ static int draw_job(drawing *d, const wanted *w, pl_job *job, pl_arguments *argu
         lack(d, w, "is drawn only beside its targets, which have changed or are gone");
     if (status || !is_taken)
         return status;
-    const int code = job->has_types ? PLANISH_OK : job->engine->plan_create(job, &error);
+    const int code =
+        job->has_types || job->is_surface ? PLANISH_OK : job->engine->plan_create(job, &error);
     if (code == PLANISH_ERROR_MEMORY)
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
     if (code) {
         lack(d, w, error.text);
         return 0;
     }
-    if (!d->picture) {
+    if (!d->picture || job->is_surface) /* which is measured by its shape */
         find_features(d, job, arguments);
-        status = pl_picture_begin(job, &d->picture);
+    if (job->is_surface && !job->curved.shape) {
+        lack(d, w, "is drawn only beside the surface it comes from, which has changed or is gone");
+        return 0;
     }
+    if (!d->picture)
+        status = pl_picture_begin(job, &d->picture);
     if (!status && !pl_picture_fits(d->picture, job))
         lack(d, w, "has different elements");
     else if (!status)
@@ -288,6 +293,9 @@ static int try_place(drawing *d, const wanted *w, const char *path, const char *
         return code == PLANISH_ERROR_MEMORY ? pl_job_complain(&job, PL_EXIT_FAILED, &error) : 0;
     job.mesh = planish_file_mesh(job.file);
     job.has_types = job.mesh.cells && pl_cells_have_types(job.mesh.cells, job.mesh.dim);
+    job.is_surface = pl_curved_is_surface(&job.mesh);
+    if (job.is_surface)
+        job.engine = &pl_engine_of_surface;
     snprintf(checksum, sizeof checksum, "%016" PRIx64, pl_job_checksum(&job));
     *why = strcmp(checksum, w->checksum) == 0 ? NULL : "has different coordinates now";
     if (!*why && job.mesh.n_elements > 0)

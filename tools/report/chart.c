@@ -4,6 +4,7 @@
 #include "report/figures.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* The drawing and the frame of its axes, in units of the view box. */
@@ -56,11 +57,16 @@ static void put_y_tick(pl_markup *page, double y, double value, int digits) {
                   LEFT, y, WIDTH - RIGHT, LEFT - 6, y + 4, digits, value);
 }
 
+/** A number at the right end that has no room below its tick ends with the drawing. */
 static void put_x_tick(pl_markup *page, double x, double value, int digits) {
+    const double half_digit = 5.5; /* on a phone */
+    char text[32];
+    const int n = snprintf(text, sizeof text, "%.*g", digits, value);
+    const int has_room = x + half_digit * n < WIDTH;
     pl_markup_put(page,
-                  "<path class=\"axis\" d=\"M%.1f %.0fv5\"/><text class=\"middle\" x=\"%.1f\" "
-                  "y=\"%.0f\">%.*g</text>\n",
-                  x, FOOT, x, FOOT + 20, digits, value);
+                  "<path class=\"axis\" d=\"M%.1f %.0fv5\"/><text class=\"%s\" x=\"%.1f\" "
+                  "y=\"%.0f\">%s</text>\n",
+                  x, FOOT, has_room ? "middle" : "end", has_room ? x : WIDTH - 1, FOOT + 20, text);
 }
 
 /* ---- histograms ----------------------------------------------------------------------------- */

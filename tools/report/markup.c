@@ -102,11 +102,28 @@ void pl_markup_put_base64(pl_markup *markup, const void *bytes, int64_t n) {
 }
 
 void pl_markup_put_real(pl_markup *markup, double value) {
-    const double long_from = 1e4, long_to = 1e7; /* longer in digits than in powers, but clearer */
-    if (fabs(value) >= long_from && fabs(value) < long_to)
-        pl_markup_put(markup, "%.0f", value);
+    const double long_from = 9999.5,
+                 long_to = 1e7; /* longer in digits than in powers, but clearer */
+    char text[32];
+    if (value == 0 || !isfinite(value)) {
+        pl_markup_put_digits(markup, value, 1);
+    } else if (fabs(value) >= long_from && fabs(value) < long_to) {
+        pl_markup_put(markup, value < 0 ? "-" : "");
+        pl_markup_put_count(markup, (int64_t)llround(fabs(value)));
+    } else {
+        const int length = snprintf(text, sizeof text, "%#.4g", value);
+        text[length - (text[length - 1] == '.')] = '\0';
+        pl_markup_put(markup, "%s", text);
+    }
+}
+
+void pl_markup_put_percent(pl_markup *markup, double percent) {
+    const double long_from = 99.95; /* no point behind three digits */
+    if (isfinite(percent))
+        pl_markup_put(markup, fabs(percent) < long_from ? "%+#.3g&#8239;%%" : "%+.0f&#8239;%%",
+                      percent);
     else
-        pl_markup_put_digits(markup, value, 4);
+        pl_markup_put_digits(markup, percent, 1);
 }
 
 void pl_markup_put_digits(pl_markup *markup, double value, int digits) {

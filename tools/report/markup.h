@@ -2,7 +2,7 @@
  *
  *     pl_markup_put, _put_bytes, _put_base64             text as it is
  *     pl_markup_put_text                                 text that is escaped
- *     pl_markup_put_real, _digits, _count, _number_of    numbers as people read them
+ *     pl_markup_put_real, _digits, _percent, _count, _number_of    numbers as people read them
  */
 #ifndef PL_REPORT_MARKUP_H
 #define PL_REPORT_MARKUP_H
@@ -33,17 +33,20 @@ void pl_markup_put_text(pl_markup *markup, const char *text);
 /** Add n bytes as base64. */
 void pl_markup_put_base64(pl_markup *markup, const void *bytes, int64_t n);
 
-/** Add a number as people read it: four significant digits, or those of a number up to 10^7 before
- *  its point; an en dash where it is not finite. */
+/** Add a number as people read it: four significant digits, zeros too, or those of a number from 10^4 to
+ *  10^7 before its point, as pl_markup_put_count; an en dash where it is not finite. */
 void pl_markup_put_real(pl_markup *markup, double value);
 
-/** Add a number with that many significant digits, whatever its size. */
+/** Add a number with up to that many significant digits, whatever its size. */
 void pl_markup_put_digits(pl_markup *markup, double value, int digits);
 
 /** Add how many there are of something, and a word for that: one for 1, else several. */
 void pl_markup_put_number_of(pl_markup *markup, int64_t n, const char *one, const char *several);
 
-/** Add an integer with thin spaces between groups of three digits. */
+/** Add a change in percent, with its sign and three significant digits. */
+void pl_markup_put_percent(pl_markup *markup, double percent);
+
+/** Add an integer with thin spaces between groups of three digits; a negative one as 0. */
 void pl_markup_put_count(pl_markup *markup, int64_t value);
 
 void pl_markup_free(pl_markup *markup);

@@ -186,7 +186,7 @@ static void put_remarks(pl_markup *page, const pl_figures *figures, const cJSON 
     if (reason[0]) {
         pl_markup_put(page, "<p class=\"verdict bad\">");
         pl_markup_put_text(page, reason);
-        pl_markup_put(page, "</p>\n");
+        pl_markup_put(page, "%s</p>\n", reason[strlen(reason) - 1] == '.' ? "" : ".");
     }
     if (back > 0) {
         pl_markup_put(page, "<p class=\"quiet\">planish put a node back ");

@@ -59,7 +59,7 @@ static void put_bins_table(pl_markup *page, const pl_figures *figures, const bin
     pl_markup_put(page, "</tr></thead><tbody>\n");
     for (int i = 0; i < b->n; i++) {
         pl_markup_put(page, "<tr><th scope=\"row\">%.6g</th><td>", b->edges[i]);
-        pl_markup_put_real(page, b->edges[i + 1]);
+        pl_markup_put_digits(page, b->edges[i + 1], 6);
         pl_markup_put(page, "</td>");
         for (int s = 0; s < figures->n_states; s++) {
             pl_markup_put(page, "<td>");
@@ -250,7 +250,9 @@ static void put_history_table(pl_markup *page, const history *h) {
             continue;
         pl_markup_put(page, "<tr><th scope=\"row\">%.0f</th><td class=\"word\">", h->sweep[i]);
         pl_markup_put_text(page, i == 0 ? "before" : h->phase[i]);
-        pl_markup_put(page, "</td><td>%.3g</td><td>", h->time[i]);
+        pl_markup_put(page, "</td><td>");
+        pl_markup_put_real(page, h->time[i]);
+        pl_markup_put(page, "</td><td>");
         pl_markup_put_digits(page, h->rms[i], 8);
         pl_markup_put(page, "</td><td>");
         pl_markup_put_digits(page, h->movable[i], 8);

@@ -176,8 +176,13 @@ static void put_volumes(pl_markup *page, const cJSON *surface) {
             continue;
         pl_markup_put(page, "<tr><th scope=\"row\">");
         pl_markup_put_text(page, pl_figure_text(region, "region"));
-        pl_markup_put(page, "</th><td>%.8g</td><td>%.8g</td><td>%+.2g</td></tr>\n", before, after,
-                      after / before - 1);
+        pl_markup_put(page, "</th><td>");
+        pl_markup_put_digits(page, before, 8);
+        pl_markup_put(page, "</td><td>");
+        pl_markup_put_digits(page, after, 8);
+        pl_markup_put(page, "</td><td>");
+        pl_markup_put_percent(page, 100 * (after / before - 1));
+        pl_markup_put(page, "</td></tr>\n");
     }
     pl_markup_put(page, "</tbody></table></div>\n");
     if (n > MOST_ROWS)
@@ -216,11 +221,14 @@ void pl_page_put_surface(pl_markup *page, const pl_figures *figures) {
                  is_fitted ? "distance of the other surface from this one"
                            : "distance of the original surface from this one",
                  surface, "distance_back", "distance_back_in_edges");
-    if (isfinite(bend))
-        pl_markup_put(page,
-                      "<tr><th scope=\"row\">sharpest edge within patches</th>"
-                      "<td class=\"wrap\">%.3g°, before %.3g°</td></tr>\n",
-                      bend, pl_figure(surface, "max_bend_before_deg"));
+    if (isfinite(bend)) {
+        pl_markup_put(page, "<tr><th scope=\"row\">sharpest edge within patches</th>"
+                            "<td class=\"wrap\">");
+        pl_markup_put_real(page, bend);
+        pl_markup_put(page, "°, before ");
+        pl_markup_put_real(page, pl_figure(surface, "max_bend_before_deg"));
+        pl_markup_put(page, "°</td></tr>\n");
+    }
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
         put_counted(page, counts[i][0], surface, counts[i][1]);
     put_fact(page, "original surface", pl_figure_text(surface, "original"));

@@ -115,6 +115,11 @@ static int64_t count_of_inverted(const cJSON *state) {
     return pl_figure_count(state, has_corners ? "corner_inverted" : "inverted");
 }
 
+static void put_factor(pl_markup *page, const char *sign, double factor) {
+    pl_markup_put(page, "%s&#8239;", sign);
+    pl_markup_put_real(page, factor);
+}
+
 /** Put by how much a measure changed, as a percentage or where that says little as a factor, and in
  *  words whether for the better. */
 static void put_change(pl_markup *page, const measure *m, const pl_figures *figures) {
@@ -138,11 +143,11 @@ static void put_change(pl_markup *page, const measure *m, const pl_figures *figu
     if (m->is_count)
         pl_markup_put(page, "%+.0f", change);
     else if (factor >= 2 && isfinite(factor)) /* no percentages above 100 */
-        pl_markup_put(page, "\xC3\x97&#8239;%.4g", factor);
+        put_factor(page, "\xC3\x97", factor);
     else if (factor > 0 && 1 / factor >= large && isfinite(1 / factor))
-        pl_markup_put(page, "\xC3\xB7&#8239;%.4g", 1 / factor);
+        put_factor(page, "\xC3\xB7", 1 / factor);
     else if (factor > 0 && isfinite(factor))
-        pl_markup_put(page, "%+.3g&#8239;%%", 100 * (factor - 1));
+        pl_markup_put_percent(page, 100 * (factor - 1));
     pl_markup_put(page, "</td><td class=\"word %s\">%s</td>", better ? "good" : "bad",
                   better ? "better" : "worse");
 }
@@ -160,6 +165,11 @@ static int is_asked(const pl_figures *figures, const measure *m) {
                                             "curved"};
     const int is_volume = strcmp(m->key, "below_min_volume") == 0;
     int is_where_any = is_volume;
+    /* Elements that wrap around count as negative. */
+    if (strcmp(m->key, "total_volume") == 0 &&
+        pl_figure(cJSON_GetObjectItemCaseSensitive(figures->result, "mesh"), "wrapped_elements") >
+            0)
+        return 0;
     if (figures->has_types && figures->n_states == 1)
         return is_of_types(m);
     if (figures->has_types && !isfinite(pl_figure(pl_figures_last(figures), m->key)) && !is_volume)
@@ -372,7 +382,7 @@ static void put_numbers(pl_markup *page, const cJSON *object, const char *key, i
     }
 }
 
-static void put_element(pl_markup *page, const cJSON *element, int has_types) {
+static void put_element(pl_markup *page, const cJSON *element, int has_types, int has_regions) {
     enum { SOME = 5, ALL = 17 }; /* digits */
     const char *ratio = has_types ? "aspect_ratio" : "radius_ratio";
     const int is_inverted = cJSON_IsNull(cJSON_GetObjectItemCaseSensitive(element, ratio));
@@ -408,8 +418,7 @@ static void put_element(pl_markup *page, const cJSON *element, int has_types) {
     put_numbers(page, element, "place", SOME, ", ");
     pl_markup_put(page, "</td><td class=\"wrap wide\">");
     put_numbers(page, element, "nodes", ALL, " ");
-    pl_markup_put(page, "</td>");
-    pl_markup_put(page, "<td class=\"word wide\">");
+    pl_markup_put(page, has_regions ? "</td><td class=\"word wide\">" : "");
     pl_markup_put_text(page, pl_figure_text(element, "region"));
     pl_markup_put(page, "</td></tr>\n");
 }
@@ -417,6 +426,10 @@ static void put_element(pl_markup *page, const cJSON *element, int has_types) {
 static void put_bad_elements(pl_markup *page, const cJSON *state, int has_types) {
     enum { MOST_ROWS = 1000 };
     const cJSON *list = cJSON_GetObjectItemCaseSensitive(state, "worst_elements"), *element;
+    int n = 0, has_regions = 0;
+    cJSON_ArrayForEach(element, list) {
+        has_regions |= pl_figure_text(element, "region")[0] != '\0';
+    }
     pl_markup_put(page,
                   "<div class=\"scroll\"><table><thead><tr><th scope=\"col\">element</th>"
                   "%s<th scope=\"col\" class=\"show\">picture</th>%s",
@@ -424,14 +437,14 @@ static void put_bad_elements(pl_markup *page, const cJSON *state, int has_types)
                   has_types ? "<th scope=\"col\">aspect ratio</th>"
                             : "<th scope=\"col\">radius ratio</th><th scope=\"col\">smallest "
                               "angle</th><th scope=\"col\">largest</th>");
-    pl_markup_put(page, "<th scope=\"col\" class=\"word wide\">movable node</th><th scope=\"col\" "
-                        "class=\"word wide\">middle</th><th scope=\"col\" "
-                        "class=\"word wide\">nodes</th><th scope=\"col\" "
-                        "class=\"word wide\">region</th></tr></thead><tbody>\n");
-    int n = 0;
+    pl_markup_put(page,
+                  "<th scope=\"col\" class=\"word wide\">movable node</th><th scope=\"col\" "
+                  "class=\"word wide\">middle</th><th scope=\"col\" "
+                  "class=\"word wide\">nodes</th>%s</tr></thead><tbody>\n",
+                  has_regions ? "<th scope=\"col\" class=\"word wide\">region</th>" : "");
     cJSON_ArrayForEach(element, list) {
         if (n++ < MOST_ROWS)
-            put_element(page, element, has_types);
+            put_element(page, element, has_types, has_regions);
     }
     pl_markup_put(page, "</tbody></table></div>\n");
     if (n > MOST_ROWS)

@@ -131,7 +131,7 @@ static void put_state(pl_markup *page, const pl_picture *picture, const pl_drawn
 /** Put the states, and the steps between them. */
 static void put_states(pl_markup *page, const pl_picture *picture) {
     const pl_drawn_state *first = &picture->states[0];
-    pl_markup_put(page, ",\n\"states\":[");
+    pl_markup_put(page, ",\n\"start\":%.17g,\"states\":[", pl_picture_start(picture));
     for (int i = 0; i < picture->n_states; i++) {
         pl_markup_put(page, "%s{\"name\":\"%s\"", i ? ",\n" : "", picture->states[i].name);
         put_state(page, picture, &picture->states[i], i ? first : NULL);

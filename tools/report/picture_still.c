@@ -41,9 +41,9 @@ static void draw_element(int dim, const uint8_t *corner, int n, int colour, pl_s
     pl_still_dot(still, middle, colour);
 }
 
-/** Draw the elements that are worse than the viewer shows at first; of flat meshes inverted ones. */
+/** Draw the elements that the viewer shows at first; of flat meshes inverted ones. */
 static void draw_bad(const pl_picture *picture, const pl_drawn_state *s, pl_still *still) {
-    const double worse_than = picture->is_solid ? 3 : INFINITY;
+    const double worse_than = picture->is_solid ? pl_picture_start(picture) : INFINITY;
     const uint8_t *corner = s->corner;
     for (int64_t i = 0; i < s->n_bad; corner += 4 * picture->dim * s->size[i++]) {
         const double ratio = pl_bytes_get_float(s->bad_ratio + 4 * i);

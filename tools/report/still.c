@@ -23,22 +23,19 @@ struct pl_still {
     float *depth;      /* [N_PIXELS] */
 };
 
-/* As in viewer/camera.js. */
+/* As in viewer/camera.js; MARGIN: of the view that a mesh fills. */
+static const double MARGIN = 0.94;
 static const double HALF_FIELD_OF_VIEW = 17.5 / 57.295779513082320877;
 
 static void turn_camera(pl_still *still, const double extent[3]) {
     const double direction[3] = {0.45, -0.75, 0.48}; /* towards the camera */
-    double square = 0, of_box = 0;
-    for (int d = 0; d < 3; d++) {
-        square += direction[d] * direction[d];
-        of_box += extent[d] * extent[d];
-    }
-    const double distance = sqrt(of_box) / 2 / sin(HALF_FIELD_OF_VIEW);
+    const double half = MARGIN * tan(HALF_FIELD_OF_VIEW), breadth = (double)WIDTH / HEIGHT;
+    double square = 0, distance = 0;
     double(*axis)[3] = still->axis;
-    for (int d = 0; d < 3; d++) {
+    for (int d = 0; d < 3; d++)
+        square += direction[d] * direction[d];
+    for (int d = 0; d < 3; d++)
         axis[2][d] = -direction[d] / sqrt(square);
-        still->eye[d] = -distance * axis[2][d];
-    }
     const double across = hypot(axis[2][0], axis[2][1]);
     axis[0][0] = axis[2][1] / across;
     axis[0][1] = -axis[2][0] / across;
@@ -46,10 +43,17 @@ static void turn_camera(pl_still *still, const double extent[3]) {
     axis[1][1] = -axis[0][0] * axis[2][2];
     axis[1][2] = axis[0][0] * axis[2][1] - axis[0][1] * axis[2][0];
     still->scale = HEIGHT / 2 / tan(HALF_FIELD_OF_VIEW);
+    for (int i = 0; i < 8; i++) { /* corners of the box */
+        double at[3] = {0};
+        for (int d = 0; d < 9; d++)
+            at[d / 3] += axis[d / 3][d % 3] * (i >> d % 3 & 1 ? 0.5 : -0.5) * extent[d % 3];
+        distance = fmax(distance, fmax(fabs(at[0]) / breadth, fabs(at[1])) / half - at[2]);
+    }
+    for (int d = 0; d < 3; d++)
+        still->eye[d] = -distance * axis[2][d];
 }
 
 pl_still *pl_still_begin(const double extent[3]) {
-    const double margin = 0.94; /* of the view that a flat mesh fills */
     pl_still *still = calloc(1, sizeof *still);
     if (!still)
         return NULL;
@@ -61,7 +65,7 @@ pl_still *pl_still_begin(const double extent[3]) {
     }
     still->is_flat = extent[2] == 0;
     if (still->is_flat)
-        still->scale = margin * fmin(WIDTH / fmax(extent[0], 1e-6), HEIGHT / fmax(extent[1], 1e-6));
+        still->scale = MARGIN * fmin(WIDTH / fmax(extent[0], 1e-6), HEIGHT / fmax(extent[1], 1e-6));
     else
         turn_camera(still, extent);
     memset(still->colour, NO_COLOUR, N_PIXELS);

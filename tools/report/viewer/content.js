@@ -3,7 +3,7 @@ const planishContent = (function () {
 'use strict';
 
 const {picture, dim, isFlat, isComplete, measures, COLOURS, INVERTED} = planishData;
-const {part, themeColour, plural, textOf} = planishPage;
+const {part, themeColour, countOf, plural, textOf} = planishPage;
 const {chosen, slider, lowest, highest, limit, countWorse} = planishChosen;
 const {paintFacets} = planishShape, {makeDots, addElements, brushed} = planishElements;
 const {crossing, addSquares, clip} = planishCut, {layers, drawSoon} = planishView;
@@ -16,7 +16,7 @@ function describeBrush(state, i, drawn) {
     const range = measure.name + ' ' + measure.edges[brush.from] + measure.unit +
         (to === null ? ' and more' : ' to ' + to + measure.unit);
     const text = plural(n, 'element') + ', ' + range;
-    return state.sweep ? 'elements, ' + range : isFlat || drawn >= n ? text : text + '; ' + drawn.toLocaleString('en') + ' of them are drawn';
+    return state.sweep ? 'elements, ' + range : isFlat || drawn >= n ? text : text + '; ' + countOf(drawn) + ' of them are drawn';
 }
 
 /** What a view shows, in words. */
@@ -24,10 +24,10 @@ function describe(state, value, text) {
     const drawn = countWorse(state, Infinity), n = countWorse(state, value);
     if (value === Infinity || drawn < state.inverted) // more than are drawn, whatever the value
         return plural(state.inverted, 'inverted element') +
-            (drawn < state.inverted ? ', of which ' + drawn.toLocaleString('en') + ' are drawn' : '');
+            (drawn < state.inverted ? ', of which ' + countOf(drawn) + ' are drawn' : '');
     const isCut = state.sweep && n === state.bad.n && n < picture.elements; // others are not known
     return (isCut ? 'at least ' : '') + plural(n, 'element') + ' worse than ' + text +
-        (drawn ? ', ' + drawn.toLocaleString('en') + ' of them inverted' : '');
+        (drawn ? ', ' + countOf(drawn) + ' of them inverted' : '');
 }
 
 /** Draw of a layer what is chosen, and say what that is. */
@@ -45,11 +45,10 @@ function updateLayer(layer, i) {
         if (solid)
             addElements(content, state.inside, inside, true);
     } else {
-        for (let k = 0; k < countWorse(state, limit()); k++)
-            list.push(k);
+        list = Array.from({length: countWorse(state, limit())}, (_, k) => k);
     }
-    addElements(content, state.bad, list, dim === 3);
-    if (dim === 2 && !chosen.brush) /* inverted ones show from afar */
+    addElements(content, state.bad, list, !isFlat);
+    if (isFlat && !chosen.brush) /* inverted ones show from afar */
         content.add(makeDots(state.bad, list.slice(0, countWorse(state, Infinity))));
     clip(content);
     if (chosen.cut && isComplete)

@@ -4,7 +4,7 @@ const planishControls = (function () {
 
 const {picture, dim, extent, isFlat, states, measures, triangles} = planishData, {part} = planishPage;
 const {chosen, slider, lowest, highest} = planishChosen, {plane, clipping, clip} = planishCut;
-const {lookAtAll} = planishCamera, {holder, layers, drawSoon, draw, resize} = planishView;
+const {lookAtAll} = planishCamera, {holder, layers, drawSoon, resize} = planishView;
 const {update, makeLegend} = planishContent;
 const MOST_MESH_LINES = 60000; /* of a surface whose edges are drawn at first */
 const AXES = ['x', 'y', 'z'];
@@ -101,9 +101,10 @@ function connectCut() {
 }
 
 function connectSlider() {
-    const start = isFlat ? lowest : Math.max(lowest, Math.min(3, highest));
-    slider.value = highest > lowest
-        ? slider.max * Math.log(start / lowest) / Math.log(highest / lowest) : 0;
+    const start = isFlat ? lowest : Math.max(lowest, Math.min(picture.start, highest));
+    const steps = slider.max / slider.step;
+    slider.value = highest > lowest /* rounded down, so that what is just worse is seen */
+        ? slider.step * Math.floor(steps * Math.log(start / lowest) / Math.log(highest / lowest)) : 0;
     slider.addEventListener('input', update);
 }
 
@@ -111,17 +112,5 @@ function connectWhole() {
     part('whole').addEventListener('click', () => { lookAtAll(); drawSoon(); });
 }
 
-/** Paper shows both states beside one another. */
-function connectPrint() {
-    window.addEventListener('beforeprint', () => {
-        const before = chosen.apart;
-        chosen.apart = layers.length > 1;
-        draw();
-        chosen.apart = before;
-    });
-    window.addEventListener('afterprint', drawSoon);
-}
-
-return {connectBoxes, connectDivider, connectMeasure, connectCut, connectSlider, connectWhole,
-    connectPrint};
+return {connectBoxes, connectDivider, connectMeasure, connectCut, connectSlider, connectWhole};
 })();

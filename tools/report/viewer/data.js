@@ -17,6 +17,8 @@ const extent = [0, 1, 2].map(d => picture.high[d] - picture.low[d]);
 const size = Math.max(...extent) > 0 ? Math.max(...extent) : 1;
 
 function bytesOf(base64) {
+    if (Uint8Array.fromBase64) /* newer browsers */
+        return Uint8Array.fromBase64(base64);
     const text = atob(base64), bytes = new Uint8Array(text.length);
     for (let i = 0; i < text.length; i++)
         bytes[i] = text.charCodeAt(i);
@@ -30,10 +32,21 @@ function numbersOf(base64, bits) {
 
 /** Places of points, three numbers each; the box is around 0 and its longest side is 1. */
 function placesOf(base64) {
-    const from = numbersOf(base64, 16), places = new Float32Array(from.length / dim * 3);
-    for (let i = 0, at = 0; i < from.length; at += 3)
-        for (let d = 0; d < dim; d++, i++)
-            places[at + d] = (from[i] / 65535 - 0.5) * extent[d] / size;
+    const from = numbersOf(base64, 16), places = threeOf(from);
+    for (let d = 0; d < dim; d++) {
+        const side = extent[d] / size;
+        for (let at = d; at < places.length; at += 3)
+            places[at] = (places[at] / 65535 - 0.5) * side;
+    }
+    return places;
+}
+
+/** Three numbers for each point, of which from has as many as the mesh has dimensions. */
+function threeOf(from) {
+    const places = new Float32Array(from.length / dim * 3);
+    for (let d = 0; d < dim; d++)
+        for (let i = d, at = d; i < from.length; i += dim, at += 3)
+            places[at] = from[i];
     return places;
 }
 
@@ -45,21 +58,13 @@ function elements(sizes, corners, codes) {
     return {n: sizes.length, sizes: sizes, first: first, corners: corners, codes: codes};
 }
 
-/** Corners that are floats, three numbers each. */
-function cornersOf(base64) {
-    const flat = new Float32Array(bytesOf(base64).buffer);
-    const corners = new Float32Array(flat.length / dim * 3);
-    for (let i = 0; i < flat.length; i++)
-        corners[Math.floor(i / dim) * 3 + i % dim] = flat[i];
-    return corners;
-}
-
 /** The worst elements of a state. */
 function badOf(state) {
     const ratios = new Float32Array(bytesOf(state.bad_ratios).buffer);
     const sizes = state.sizes ? bytesOf(state.sizes)
         : new Uint8Array(ratios.length).fill(dim + 1);
-    const corners = state.places !== undefined ? placesOf(state.places) : cornersOf(state.corners);
+    const corners = state.places !== undefined ? placesOf(state.places)
+        : threeOf(new Float32Array(bytesOf(state.corners).buffer));
     const bad = elements(sizes, corners, bytesOf(state.bad_codes));
     bad.ratios = ratios;
     return bad;

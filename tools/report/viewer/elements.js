@@ -69,10 +69,10 @@ function addElements(group, set, list, hasDots) {
     Object.assign(solids.material, {polygonOffset: dim === 3, polygonOffsetFactor: 0.5,
         polygonOffsetUnits: 1});
     group.add(solids);
-    if (dim === 3) /* those of a plane mesh are among its mesh lines */
+    if (!isFlat) /* those of a flat mesh are among its mesh lines */
         group.add(new THREE.LineSegments(gather(set, list, EDGES),
             new THREE.LineBasicMaterial({color: 0x222222})));
-    else
+    else if (dim === 2)
         solids.position.z = 0.001;
     if (hasDots) {
         const dots = makeDots(set, list);

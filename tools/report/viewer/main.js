@@ -8,21 +8,12 @@ const {section, part} = planishPage, {lookAtAll, fitCamera} = planishCamera;
 const {holder, makeLayers, makeCanvas, resize} = planishView, {applyTheme, makeLegend} = planishContent;
 const controls = planishControls;
 
-function hasWebGL() {
-    const context = document.createElement('canvas').getContext('webgl');
-    const lose = context && context.getExtension('WEBGL_lose_context');
-    if (lose)
-        lose.loseContext();
-    return !!context;
-}
-
-if (!hasWebGL()) {
+if (!makeCanvas()) {
     part('fallback').textContent = 'This browser has no WebGL: the picture is a still one.';
     return;
 }
 part('fallback').remove();
 makeLayers();
-makeCanvas();
 for (const hidden of section.querySelectorAll(
     '.controls, .help, .colours, .on-view, figcaption'))
     hidden.hidden = false;
@@ -36,7 +27,7 @@ controls.connectDivider();
 planishHistograms.connectHistograms();
 planishVisit.connectButtons();
 controls.connectWhole();
-controls.connectPrint();
+planishPaper.connectPrint();
 makeLegend();
 applyTheme();
 controls.connectBoxes();

@@ -14,15 +14,20 @@ function themeColour(name) {
     return new THREE.Color(getComputedStyle(section).getPropertyValue(name).trim());
 }
 
+/** A whole number as the page has it. */
+function countOf(n) {
+    return n.toLocaleString('en').replaceAll(',', '\u202f');
+}
+
 function plural(n, noun) {
-    return n.toLocaleString('en') + ' ' + noun + (n === 1 ? '' : 's');
+    return countOf(n) + ' ' + noun + (n === 1 ? '' : 's');
 }
 
+/** A ratio as the page has it. */
 function textOf(value) {
-    return value < 1000 ? value.toPrecision(3)
-        : value < 1e7 ? Math.round(value).toLocaleString('en')
-        : value < Infinity ? value.toPrecision(3) : 'any';
+    return value >= 9999.5 && value < 1e7 ? countOf(Math.round(value))
+        : value < Infinity ? value.toPrecision(4) : 'any';
 }
 
-return {section, part, themeColour, plural, textOf};
+return {section, part, themeColour, countOf, plural, textOf};
 })();

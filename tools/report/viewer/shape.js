@@ -20,14 +20,14 @@ function attributeOf(points) {
 function lines(points, pairs, opacity) {
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute('position', attributeOf(points));
-    geometry.setIndex(new THREE.BufferAttribute(new Uint32Array(pairs), 1));
+    geometry.setIndex(new THREE.BufferAttribute(pairs, 1));
     return new THREE.LineSegments(geometry,
         new THREE.LineBasicMaterial({transparent: opacity < 1, opacity: opacity}));
 }
 
 /** The features of the surface of a state: patches in colours, curves, corners. */
 function makeFeatures(state) {
-    const group = new THREE.Group(), patch = findPatches(state.points.length / 3);
+    const group = new THREE.Group(), patch = findPatches();
     const colours = new Float32Array(triangles.length * 3), colour = new THREE.Color();
     for (let i = 0; i < triangles.length; i++)
         colour.set(PATCHES[patch[Math.floor(i / 3)] % PATCHES.length]).toArray(colours, 3 * i);
@@ -59,7 +59,7 @@ function makeSkins(points) {
 /** All that is drawn of a state whatever is chosen. */
 function makeShape(state, edges) {
     const shape = {group: new THREE.Group(), skins: [], facets: null, features: null};
-    shape.mesh = lines(state.points, edges.all, dim === 3 ? 0.15 : 0.45);
+    shape.mesh = lines(state.points, edges.all, isFlat ? 0.45 : 0.15);
     shape.frame = lines(state.points, edges.sharp, dim === 3 ? 0.8 : 1);
     if (isFlat) {
         const material = dim === 3 ? shadedMaterial() : plainMaterial();
@@ -99,10 +99,11 @@ function paintFacets(layer) {
     const colours = layer.shape.facets.geometry.attributes.color, array = colours.array;
     const paper = themeColour('--panel').toArray(), m = chosen.measure, rgb = shades[m];
     const n = triangles.length / 3, codes = layer.state.codes, value = limit();
+    const hasLimit = slider.value > 0;
     for (let i = 0; i < n; i++) {
         const code = codes[m * n + i], isPale = chosen.brush
             ? !isBrushed(codes[chosen.brush.measure * n + i])
-            : slider.value > 0 && !(measures[0].value[codes[i]] > value) && codes[i] > 0;
+            : hasLimit && !(measures[0].value[codes[i]] > value) && codes[i] > 0;
         for (let j = 0; j < 9; j++)
             array[9 * i + j] = rgb[3 * code + j % 3] * (isPale ? 0.15 : 1) +
                 (isPale ? 0.85 * paper[j % 3] : 0);

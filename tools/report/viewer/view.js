@@ -28,7 +28,10 @@ function makeLayers() {
 
 function drawSoon() {
     if (!asked)
-        requestAnimationFrame(draw);
+        requestAnimationFrame(() => {
+            asked = false;
+            draw(holder.clientWidth, holder.clientHeight);
+        });
     asked = true;
 }
 
@@ -50,11 +53,14 @@ function turnByKey(event) {
     drawSoon();
 }
 
+/** Make the canvas. Returns false if the browser has no WebGL. */
 function makeCanvas() {
-    renderer = new THREE.WebGLRenderer(
-        {antialias: true, alpha: true, preserveDrawingBuffer: true}); /* else it does not print */
+    const canvas = document.createElement('canvas');
+    const context = canvas.getContext('webgl', {antialias: true, alpha: true, preserveDrawingBuffer: true});
+    if (!context)
+        return false;
+    renderer = new THREE.WebGLRenderer({canvas: canvas, context: context, alpha: true});
     renderer.localClippingEnabled = true;
-    const canvas = renderer.domElement;
     canvas.tabIndex = 0;
     canvas.setAttribute('role', 'application');
     canvas.setAttribute('aria-describedby', 'picture-help');
@@ -78,6 +84,7 @@ function makeCanvas() {
     canvas.addEventListener('blur', () => { controls.enabled = false; });
     canvas.addEventListener('keydown', turnByKey);
     canvas.addEventListener('webglcontextrestored', drawSoon);
+    return true;
 }
 
 /** The pieces of the view: of each the layer, where it begins and ends (0 to 1), and where what it shows
@@ -90,9 +97,8 @@ function pieces() {
     return [[layers[0], 0, chosen.divider, 0, 1], [layers[1], chosen.divider, 1, 0, 1]];
 }
 
-function draw() {
-    asked = false;
-    const width = holder.clientWidth, height = holder.clientHeight;
+/** Draw on a canvas of a width and height. */
+function draw(width, height) {
     turnPlane(camera);
     renderer.setScissorTest(true);
     for (const [layer, from, to, left, right] of pieces()) {
@@ -122,5 +128,13 @@ function resize() {
     drawSoon();
 }
 
-return {holder, layers, makeLayers, makeCanvas, drawSoon, draw, resize};
+/** Return the canvas with what is chosen, width times height pixels large, until it is resized. */
+function drawOnce(width, height) {
+    renderer.setPixelRatio(1);
+    renderer.setSize(width, height, false);
+    draw(width, height);
+    return renderer.domElement;
+}
+
+return {holder, layers, makeLayers, makeCanvas, drawSoon, drawOnce, resize};
 })();
