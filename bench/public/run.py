@@ -128,6 +128,8 @@ def work(chosen):
         done = {line["key"]: line for line in map(json.loads, results.read_text(encoding="utf-8").splitlines())}
     for folder in chosen.folders:
         for path in files_below(folder, known):
+            if path.stat().st_size > chosen.largest * 1e6:
+                continue
             key = key_of(path, program, chosen.ways, chosen.time_limit)
             source = "/".join([folder.name, *path.relative_to(folder).parent.parts])
             if key in done:
@@ -154,6 +156,7 @@ def main():
     parser.add_argument("folders", type=pathlib.Path, nargs="+", metavar="FOLDER")
     parser.add_argument("--ways", nargs="+", choices=WAYS, default=list(WAYS))
     parser.add_argument("--time-limit", type=int, default=60, metavar="SECONDS")
+    parser.add_argument("--largest", type=float, default=1e9, metavar="MB")
     parser.add_argument("-j", "--jobs", type=int, default=os.cpu_count())
     chosen = parser.parse_args()
     chosen.planish = chosen.planish.resolve()
