@@ -183,10 +183,11 @@ def judge(source, target, report=None, way="default", status=None):
     old, new = _figures(meshes, meshes.x), _figures(meshes, meshes.y)
     if meshes.is_in_space or (way == "best" and meshes.dim == 3):
         faults += stays.on_surface(meshes)
+        faults += stays.in_planes(meshes, False)
     elif way == "default":
         faults += stays.held_nodes(meshes)
     else:
-        faults += stays.in_planes(meshes)
+        faults += stays.in_planes(meshes, True)
     faults += not_worse(meshes, old, new, way)
     if report:
         faults += same_figures(meshes, report, old[0], new[0])

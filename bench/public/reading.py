@@ -10,7 +10,6 @@ import numpy as np
 
 from shapes import SHAPES
 
-LOWER = {"vertex": 0, "line": 1, "line3": 1}
 KNOWN_REGIONS = ("gmsh:physical", "gmsh:geometrical", "medit:ref")
 # Files that may change their size, or whose numbers are not written as text.
 PACKED = {".h5", ".hdf", ".vtkhdf", ".med", ".mmed", ".rmed", ".cgns", ".vtu", ".xdmf", ".xmf", ".gz"}
@@ -38,12 +37,17 @@ class Mesh:
 
     @property
     def dim(self):
-        dims = [SHAPES[name].dim if name in SHAPES else LOWER.get(name, 3) for name, _ in self.blocks]
-        return max(dims, default=0)
+        return max((SHAPES[name].dim if name in SHAPES else dim_of_other(name) for name, _ in self.blocks), default=0)
 
     def elements(self):
         """Numbers of the blocks whose elements can be judged: those of the highest dimension."""
         return [i for i, (name, _) in enumerate(self.blocks) if name in SHAPES and SHAPES[name].dim == self.dim]
+
+
+def dim_of_other(name):
+    """Dimension of a type that is not judged, by its name."""
+    return next((dim for start, dim in (("vertex", 0), ("line", 1), ("triangle", 2), ("quad", 2), ("polygon", 2))
+                 if name.startswith(start)), 3)
 
 
 def files_of(path):

@@ -131,9 +131,9 @@ def work(chosen):
             if path.stat().st_size > chosen.largest * 1e6:
                 continue
             key = key_of(path, program, chosen.ways, chosen.time_limit)
-            source = "/".join([folder.name, *path.relative_to(folder).parent.parts])
+            source = "/".join(path.relative_to(folder).parent.parts) or folder.name
             if key in done:
-                lines.append(done[key])
+                lines.append(done[key] | {"source": source})
             else:
                 tasks[key] = path, source
     treat_one = functools.partial(treat, chosen.planish, ways=chosen.ways, seconds=chosen.time_limit)

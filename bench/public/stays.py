@@ -84,9 +84,10 @@ def slide_tolerance(points):
     return max(1e-8, min(1e-5, 10.0 ** (1 - digits)))
 
 
-def in_planes(meshes):
-    """Of a run with nodes that slide in planes: moved nodes stay in the planes of all their facets."""
-    facets = np.concatenate([topology.boundary(meshes.facets), _interfaces(meshes)])
+def in_planes(meshes, has_boundary):
+    """Of a run with nodes that slide in planes: moved nodes stay in the planes of all their facets, on the boundary
+    (if has_boundary) and between regions."""
+    facets = np.concatenate([topology.boundary(meshes.facets)] * has_boundary + [_interfaces(meshes)])
     most = ROOM * slide_tolerance(meshes.before.points) * np.linalg.norm(np.ptp(meshes.x, axis=0))
     for (n_corners, _), nodes in _groups_of_facets(meshes, facets).items():
         x = meshes.x[:, meshes.axes]
