@@ -7,7 +7,10 @@
 #include <limits.h>
 #include <string.h>
 
-enum { ALIGNMENT = 64 }; /* a cache line, and the widest vector */
+enum {
+    ALIGNMENT = 64,     /* a cache line, and the widest vector */
+    OWN_PAGES = 1 << 19 /* bytes of an array whose pages cost less if they come at once */
+};
 
 static size_t round_up(size_t bytes, size_t unit) {
     return (bytes + unit - 1) / unit * unit;
@@ -35,8 +38,8 @@ static pl_block *block_of(void *array) {
 }
 
 /** Return bytes of fresh memory, and its source in *from; NULL without memory. Large arrays
- *  outside of the arena have pages of their own. The first touch of these is cheap if they are
- *  huge, and they go back to the system at once. */
+ *  outside of the arena have pages of their own, which go back to the system at once. The first touch
+ *  of huge ones is cheap; others are populated, as it is dear one by one. */
 static void *fresh_memory(pl_context *owner, size_t bytes, source *from) {
     void *start = NULL;
     if (owner && owner->allocator.allocate) {
@@ -50,7 +53,7 @@ static void *fresh_memory(pl_context *owner, size_t bytes, source *from) {
         *from = ARENA;
         start = pl_arena_take(&owner->arena, bytes);
     }
-    if (!start && PL_SHARES_PAGES && bytes >= PL_LARGE_ARRAY) {
+    if (!start && PL_SHARES_PAGES && bytes >= OWN_PAGES) {
         const size_t last = bytes % PL_HUGE_PAGE;
         *from = PAGES;
         start = pl_system_reserve(bytes);

@@ -54,4 +54,22 @@ PY
 expect_status 0 timeout 15 "$program" groups many.msh
 [ "$(wc -l <out)" = 200000 ] && [ "$(head -n 1 out)" = "faces           1  name 1" ] &&
     [ "$(tail -n 1 out)" = "faces           1  2:200000" ] || fail "many groups: $(wc -l <out), $(sed -n '1p;$p' out)"
+# ---- long names ---------------------------------------------------------------------------------
+# What a format has no room for is said.
+python3 - <<'END'
+for n in 80, 81, 240, 241:
+    with open("named%d.msh" % n, "w") as file:
+        file.write("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n3 1 \"%s\"\n$EndPhysicalNames\n"
+                   "$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n"
+                   "$Elements\n1\n1 4 2 1 1 1 2 3 4\n$EndElements\n" % ("n" * n))
+END
+for n in 80 81 240 241; do
+    expect_status 0 "$program" convert named$n.msh -o long.inp
+    [ "$(grep -c "names of at most 80 characters" err)" -eq $((n > 80)) ] || fail "$n characters in Abaqus: $(cat err)"
+    expect_status 0 "$program" convert named$n.msh -o long.e
+    [ "$(grep -c "the ends of names of more than 240 bytes" err)" -eq $((n > 240)) ] || fail "$n bytes in Exodus: $(cat err)"
+    expect_status 0 "$program" groups long.e
+    grep -q "[^n]n\{$((n < 240 ? n : 240))\}\$" out || fail "the name of $n bytes in Exodus: $(cat out)"
+done
+
 finish

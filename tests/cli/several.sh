@@ -84,6 +84,14 @@ expect_text "the output of 'a.msh' is a link to 'b.msh', another input"
 expect_no_file linked/b.msh
 expect_status 64 "$program" smooth b.msh a.msh --output-dir .
 expect_text "'b.msh' is in the folder of --output-dir: give --in-place"
+# Nor the output before it, as where the system ignores the case of letters.
+mkdir -p upper one_file
+cp "$sample" upper/A.msh
+ln -s A.msh one_file/a.msh
+expect_status 2 "$program" smooth upper/A.msh a.msh b.msh --output-dir one_file -q
+expect_text "a.msh: not smoothed, as the output would replace that of 'upper/A.msh'"
+expect_one_line
+cmp one_file/A.msh wanted.msh && cmp one_file/b.msh wanted.msh || fail "an output replaced another one"
 # Nor a file that an option reads.
 mkdir before
 cp "$sample" before/a.msh

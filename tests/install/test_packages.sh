@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Debian's packages: built twice with the same bytes, the second time as the Dockerfile does; looked at by lintian;
+# Debian's packages: built twice with the same bytes, first in a folder whose name has a blank, then as the Dockerfile
+# does; looked at by lintian;
 # installed, used, upgraded, removed and purged in a copy of this system that is in memory (packages_inside.sh).
 set -u
 here=$(cd "$(dirname "$0")" && pwd)
@@ -25,7 +26,9 @@ enter=("${as_root[@]}" unshare --mount)
 
 cd "$source_dir" || exit 1
 export SOURCE_DATE_EPOCH=1700000000
-tools/install/deb "$work/debs" || fail "the packages are not built"
+mkdir "$work/the source"
+tar -c --exclude='./build*' --exclude=./.git . | tar -x -C "$work/the source" || fail "no copy of the source"
+"$work/the source/tools/install/deb" "$work/debs" || fail "the packages are not built"
 (cd "$work/debs" && printf '%s\n' *.deb) >"$work/names"
 [ "$(sed 's/_.*//' "$work/names" | xargs)" = "libplanish-dev libplanish0.2 planish python3-planish" ] ||
     fail "there are $(xargs <"$work/names")"

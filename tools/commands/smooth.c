@@ -329,6 +329,26 @@ static int check_several(const pl_arguments *arguments) {
     return status;
 }
 
+/** Smooth input i, unless its output would replace one before: by a link, or where the system ignores the case
+ *  of letters. output [i]: the files that these are. */
+static int smooth_next(const pl_arguments *arguments, pl_file_status *output, int i) {
+    char *path = output_of(arguments, arguments->inputs[i]);
+    const int is_there = path && pl_file_find(path, &output[i]) == 0;
+    int status = 0;
+    for (int j = 0; j < i && is_there && arguments->output_dir && !status; j++)
+        if (pl_file_is_same(&output[i], &output[j]))
+            status = pl_complain(PL_EXIT_FAILED,
+                                 "%s: not smoothed, as the output would replace that of '%s': "
+                                 "smooth them into different folders",
+                                 arguments->inputs[i], arguments->inputs[j]);
+    if (!status)
+        status = smooth_one(arguments, arguments->inputs[i]);
+    if (!path || pl_file_find(path, &output[i]))
+        output[i] = (pl_file_status){.number = 0};
+    free(path);
+    return status;
+}
+
 /** Make the folder of outputs where it is missing. */
 static int make_folder(const char *folder) {
     pl_file_status found;
@@ -348,17 +368,22 @@ int pl_smooth_command(const pl_arguments *arguments) {
         worst = make_folder(arguments->output_dir);
     if (worst)
         return worst;
+    pl_file_status *output = calloc((size_t)arguments->n_inputs, sizeof *output);
+    if (!output)
+        return pl_complain(PL_EXIT_FAILED, "out of memory for the list of meshes");
     for (int i = 0; i < arguments->n_inputs; i++) {
         if (pl_signals_stop_asked()) {
             pl_complain(PL_EXIT_PARTLY,
                         "%s (and %d more): not smoothed, because a signal stopped planish",
                         arguments->inputs[i], arguments->n_inputs - i - 1);
-            return worst > PL_EXIT_PARTLY ? worst : PL_EXIT_PARTLY;
+            worst = worst > PL_EXIT_PARTLY ? worst : PL_EXIT_PARTLY;
+            break;
         }
         if (i > 0 && arguments->verbosity != PL_QUIET)
             putchar('\n');
-        const int status = smooth_one(arguments, arguments->inputs[i]);
+        const int status = smooth_next(arguments, output, i);
         worst = status > worst ? status : worst;
     }
+    free(output);
     return worst;
 }

@@ -313,7 +313,9 @@ static int convert(const pl_job *job, const char *path, const planish_cells *cel
                   .state = (uint8_t *)(ratio + job->mesh.n_elements),
                   .is_curved = (uint8_t *)(ratio + job->mesh.n_elements) + cells->n}};
     int code = measure(job, cells, &quality, NULL, &data.cells, error);
-    if (!code && job->mesh.n_elements > 0) {
+    if (job->has_types && job->mesh.cells->type == cells->type) { /* they have just been measured */
+        data.radius_ratio = data.cells.aspect_ratio;
+    } else if (!code && job->mesh.n_elements > 0) {
         data.radius_ratio = ratio;
         code = pl_cells_measure_elements(job, ratio, error);
     }

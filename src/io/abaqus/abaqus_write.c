@@ -213,6 +213,16 @@ static void lose_type_names(const io_view *view, const io_view_type *types, io_l
     }
 }
 
+/** Note that names are longer than Abaqus takes them. */
+static void lose_short_names(const io_model *model, io_losses *losses) {
+    enum { MOST_NAME = 80 };
+    int are_long = 0;
+    for (int32_t i = 0; i < model->n_groups; i++)
+        are_long |= strlen(model->group[i].name) > MOST_NAME;
+    if (are_long)
+        io_losses_add(losses, "names of at most %d characters, as Abaqus needs them", MOST_NAME);
+}
+
 static int abaqus_write(const io_view *view, pl_output *output, io_losses *losses,
                         planish_error *error) {
     const io_view_type *types = view->model->dim == 2 ? plane_types : solid_types;
@@ -225,6 +235,7 @@ static int abaqus_write(const io_view *view, pl_output *output, io_losses *losse
         status = put_groups(&writer, view, &blocks, error);
         io_view_lose_types(types, &blocks, losses);
         lose_type_names(view, types, losses);
+        lose_short_names(view->model, losses);
         io_view_lose_fields(view, losses);
     }
     io_view_blocks_release(&blocks);

@@ -111,9 +111,9 @@ void exodus_name_block(const exodus_mesh *mesh, const exodus_out_block *block,
         return;
     const char *of_group = mesh->view->model->group[block->group].name;
     if (block->is_first)
-        snprintf(name, EXODUS_MOST_NAME + 1, "%s", of_group);
+        snprintf(name, EXODUS_MOST_NAME + 1, "%.*s", EXODUS_CUT_NAME, of_group);
     else
-        snprintf(name, EXODUS_MOST_NAME + 1, "%.240s_%" PRId32, of_group, block->id);
+        snprintf(name, EXODUS_MOST_NAME + 1, "%.*s_%" PRId32, EXODUS_CUT_NAME, of_group, block->id);
 }
 
 /* ---- components ----------------------------------------------------------------------------- */
@@ -185,7 +185,7 @@ static int look_at_numbers(exodus_mesh *mesh, planish_error *error) {
 
 /** Find the room that names need. */
 static void measure_names(exodus_mesh *mesh) {
-    enum { LONGEST_SUFFIX = 12 };
+    enum { LONGEST_SUFFIX = 12 }; /* all of it fits behind a name that is cut */
     size_t most = LEAST_NAME;
     for (int32_t g = 0; g < mesh->view->model->n_groups; g++) {
         const size_t length = strlen(mesh->view->model->group[g].name) + LONGEST_SUFFIX;
@@ -195,6 +195,7 @@ static void measure_names(exodus_mesh *mesh) {
         const size_t length = strlen(mesh->view->field[i].name) + LONGEST_SUFFIX;
         most = length > most ? length : most;
     }
+    mesh->are_cut = most > EXODUS_CUT_NAME + LONGEST_SUFFIX;
     mesh->name_size = (int64_t)(most < EXODUS_MOST_NAME ? most : EXODUS_MOST_NAME) + 1;
 }
 

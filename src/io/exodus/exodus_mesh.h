@@ -10,7 +10,11 @@
 #include "io/exodus/exodus_groups.h"
 
 /* Room for a name, as the Exodus library says, and for that of a type. */
-enum { EXODUS_MOST_NAME = 256, EXODUS_TYPE_NAME = 16 };
+enum {
+    EXODUS_MOST_NAME = 256, /* bytes of a name with what is added to it, */
+    EXODUS_CUT_NAME = 240,  /* and of the name itself: longer ones are cut */
+    EXODUS_TYPE_NAME = 16
+};
 
 /** A block that is written. */
 typedef struct exodus_out_block {
@@ -47,6 +51,7 @@ typedef struct exodus_mesh {
     int columns;        /* coordinates of a node: 2 in the plane of x and y, else 3 */
     int has_numbers[2]; /* nodes, elements: other ones than 1, 2, ... */
     int64_t name_size;  /* bytes of each name */
+    int are_cut;        /* some names are */
 } exodus_mesh;
 
 /** Find the blocks, sets and components of a view, which must stay. To be released in any case. Error: _MEMORY. */

@@ -238,12 +238,13 @@ static void put_names(exodus_out *e, out_kind kind, int64_t of) {
         netcdf_put_text(&e->file, name, e->mesh.name_size);
     }
     for (int64_t i = 0; kind == OUT_SET_NAMES && i < e->mesh.sets[of].n; i++) {
-        snprintf(name, sizeof name, "%s", e->mesh.sets[of].group[i].name);
+        snprintf(name, sizeof name, "%.*s", EXODUS_CUT_NAME, e->mesh.sets[of].group[i].name);
         netcdf_put_text(&e->file, name, e->mesh.name_size);
     }
     for (int64_t i = 0; kind == OUT_COMPONENT_NAMES && i < e->mesh.n_components[of]; i++) {
         const exodus_component *component = &e->mesh.component[of][i];
-        snprintf(name, sizeof name, "%.250s%s", component->field->name, component->suffix);
+        snprintf(name, sizeof name, "%.*s%s", EXODUS_CUT_NAME, component->field->name,
+                 component->suffix);
         netcdf_put_text(&e->file, name, e->mesh.name_size);
     }
     for (int axis = 0; axis < e->mesh.columns && kind == OUT_AXIS_NAMES; axis++)
@@ -365,6 +366,8 @@ static int list_losses(const exodus_mesh *mesh, io_losses *losses, planish_error
         io_losses_add(losses, "regions of several types as one");
     if (has_empty)
         io_losses_add(losses, "names of groups without elements");
+    if (mesh->are_cut)
+        io_losses_add(losses, "the ends of names of more than %d bytes", EXODUS_CUT_NAME);
     return status;
 }
 

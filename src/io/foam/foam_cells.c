@@ -4,7 +4,8 @@
  * quadrilaterals those of a hexahedron, and so on. One face is taken as the base. Its nodes, and those
  * that other faces have beyond the edges of the base, are the element's. Then all faces are compared
  * with the element's. The order of nodes follows from faces alone, whose normals leave the cell: an
- * element that is inverted by its coordinates is listed as inverted.
+ * element that is inverted by its coordinates is listed as inverted. Most cells are found by a faster
+ * walk before (foam_walk.c).
  *
  * All other cells are polyhedra, and hold their nodes.
  */
@@ -159,31 +160,9 @@ static int is_of_shape(const shape *s, cell_faces *f, int32_t *node) {
     return 1;
 }
 
-/** Find the tetrahedron that four triangles are, as is_of_shape does: node [4] is then filled in. */
-static int is_tetrahedron(const cell_faces *f, int32_t *node) {
-    const int32_t a = f->node[0][0], b = f->node[0][2], c = f->node[0][1]; /* the base */
-    const int32_t *side = f->node[1];
-    const int32_t d = (side[0] != a && side[0] != b && side[0] != c)   ? side[0]
-                      : (side[1] != a && side[1] != b && side[1] != c) ? side[1]
-                                                                       : side[2];
-    int found = 0;
-    for (int i = 1; i < 4; i++) /* behind the apex come the ends of an edge of the base */
-        for (int k = 0; k < 3; k++) {
-            const int32_t *of = f->node[i];
-            const int32_t p = of[k], q = of[(k + 1) % 3], r = of[(k + 2) % 3];
-            found |= ((p == d) & (q == a) & (r == b)) << 0 | ((p == d) & (q == b) & (r == c)) << 1 |
-                     ((p == d) & (q == c) & (r == a)) << 2;
-        }
-    node[0] = a;
-    node[1] = b;
-    node[2] = c;
-    node[3] = d;
-    return (found == 7) & (a != b) & (b != c) & (c != a) & (d != a) & (d != b) & (d != c);
-}
-
 /* ---- all cells ------------------------------------------------------------------------------ */
 
-/** Sides of faces by cell: face, or ~face where the cell is its neighbour. */
+/** Sides of faces by cell: face, or ~face where the cell is its neighbour. Cells with a type have none. */
 typedef struct sides {
     int64_t *start; /* [n_cells + 1] */
     int32_t *side;
@@ -193,18 +172,25 @@ static int32_t side_face(int32_t side) {
     return side < 0 ? ~side : side;
 }
 
-static int make_sides(const foam_mesh *mesh, sides *s, planish_error *error) {
+/** Return the cell on a side of a face that has no type yet, or -1. */
+static int32_t find_open(const foam_mesh *mesh, const uint8_t *type, int64_t face,
+                         int is_neighbour) {
+    const int32_t cell = is_neighbour ? foam_neighbour(mesh, face) : mesh->owner[face];
+    return cell >= 0 && !type[cell] ? cell : -1;
+}
+
+static int make_sides(const foam_mesh *mesh, const uint8_t *type, sides *s, planish_error *error) {
     const int64_t n = mesh->n_cells;
+    int32_t cell;
     s->start = pl_alloc_zero(n + 2, sizeof *s->start);
     if (!s->start)
         return pl_fail_memory(error, "cells");
-    for (int64_t i = 0; i < mesh->n_faces; i++) {
-        s->start[mesh->owner[i] + 2]++;
-        if (mesh->neighbour[i] >= 0)
-            s->start[mesh->neighbour[i] + 2]++;
-    }
+    for (int64_t i = 0; i < mesh->n_faces; i++)
+        for (int k = 0; k < 2; k++)
+            if ((cell = find_open(mesh, type, i, k)) >= 0)
+                s->start[cell + 2]++;
     for (int64_t i = 0; i < n; i++) {
-        if (s->start[i + 2] < LEAST_FACES)
+        if (s->start[i + 2] < LEAST_FACES && !type[i])
             return pl_fail(error, PLANISH_ERROR_FORMAT,
                            "%s: cell %" PRId64 " of owner and neighbour has %" PRId64
                            " faces: four at least expected",
@@ -214,11 +200,10 @@ static int make_sides(const foam_mesh *mesh, sides *s, planish_error *error) {
     s->side = pl_alloc(s->start[n + 1], sizeof *s->side);
     if (!s->side)
         return pl_fail_memory(error, "cells");
-    for (int64_t i = 0; i < mesh->n_faces; i++) {
-        s->side[s->start[mesh->owner[i] + 1]++] = (int32_t)i;
-        if (mesh->neighbour[i] >= 0)
-            s->side[s->start[mesh->neighbour[i] + 1]++] = ~(int32_t)i;
-    }
+    for (int64_t i = 0; i < mesh->n_faces; i++)
+        for (int k = 0; k < 2; k++)
+            if ((cell = find_open(mesh, type, i, k)) >= 0)
+                s->side[s->start[cell + 1]++] = k ? ~(int32_t)i : (int32_t)i;
     return PLANISH_OK;
 }
 
@@ -249,21 +234,91 @@ static int gather(const foam_mesh *mesh, const sides *s, int64_t cell, cell_face
     return 1;
 }
 
-/** Let a cell that becomes no element hold its nodes. */
-static void hold_cell(const foam_mesh *mesh, const sides *s, int64_t cell) {
-    for (int64_t i = s->start[cell]; i < s->start[cell + 1]; i++) {
-        const int32_t face = side_face(s->side[i]);
-        for (int64_t k = mesh->start[face]; k < mesh->start[face + 1]; k++)
-            io_hold_node(mesh->model, foam_node(mesh, mesh->node[k]), IO_HELD_BY_OTHER);
+/** Cells without a type, whose elements are found by their faces. */
+typedef struct search {
+    const foam_mesh *mesh;
+    sides sides;
+    foam_elements *elements;
+} search;
+
+static void find_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    const search *s = context;
+    const foam_elements *e = s->elements;
+    (void)thread;
+    for (int64_t cell = begin; cell < end; cell++) {
+        cell_faces f;
+        if (e->type[cell] || !gather(s->mesh, &s->sides, cell, &f))
+            continue;
+        for (int k = 0; k < N_SHAPES; k++)
+            if (has_kinds(&shapes[k], &f) && is_of_shape(&shapes[k], &f, e->node + cell * e->width))
+                e->type[cell] = shapes[k].type;
     }
-    mesh->model->n_other++;
+}
+
+/** Make room for elements of cells, which have no type so far. */
+static int make_elements(const foam_mesh *mesh, foam_elements *e, planish_error *error) {
+    const int is_simple = mesh->dim == 2 || mesh->start[mesh->n_faces] == 3 * mesh->n_faces;
+    *e = (foam_elements){.type = pl_alloc_zero(mesh->n_cells, sizeof *e->type),
+                         .width = is_simple ? FACE_CORNERS : MOST_CORNERS};
+    e->node = pl_alloc(mesh->n_cells, (size_t)e->width * sizeof *e->node);
+    return e->type && e->node ? PLANISH_OK : pl_fail_memory(error, "cells");
+}
+
+int foam_find_elements(const foam_mesh *mesh, int is_plain, foam_elements *elements,
+                       planish_error *error) {
+    enum { CHUNK = 1 << 9 };
+    search s = {.mesh = mesh, .elements = elements};
+    int status = make_elements(mesh, elements, error);
+    if (!status && !is_plain)
+        status = foam_walk_faces(mesh, elements, error);
+    if (!status && memchr(elements->type, 0, (size_t)mesh->n_cells)) {
+        status = make_sides(mesh, elements->type, &s.sides, error);
+        if (!status)
+            pl_parallel_for(mesh->model->threads, mesh->n_cells, CHUNK, find_chunk, &s);
+    }
+    pl_free(s.sides.start);
+    pl_free(s.sides.side);
+    return status;
+}
+
+/** Find the elements of a layer: the faces that its cells have on a side. */
+static int find_flat_elements(const foam_mesh *mesh, foam_elements *e, planish_error *error) {
+    sides s = {.start = NULL};
+    int status = make_elements(mesh, e, error);
+    if (!status) /* which checks that cells have faces enough */
+        status = make_sides(mesh, e->type, &s, error);
+    pl_free(s.start);
+    pl_free(s.side);
+    for (int64_t cell = 0; cell < mesh->n_cells && !status; cell++) {
+        const int32_t face = mesh->base[cell], begin = mesh->start[face];
+        const int n = mesh->start[face + 1] - begin;
+        for (int k = 0; k < n && n <= FACE_CORNERS; k++)
+            e->node[cell * FACE_CORNERS + k] = foam_node(mesh, mesh->node[begin + k]);
+        if (n <= FACE_CORNERS)
+            e->type[cell] = n == 3 ? PLANISH_CELL_TRIANGLE : PLANISH_CELL_QUADRILATERAL;
+    }
+    return status;
+}
+
+/* ---- the model ------------------------------------------------------------------------------ */
+
+/** Let cells that become no element hold their nodes. */
+static void hold_cells(const foam_mesh *mesh, const uint8_t *type) {
+    for (int64_t i = 0; i < mesh->n_faces; i++)
+        if (find_open(mesh, type, i, 0) >= 0 || find_open(mesh, type, i, 1) >= 0)
+            for (int64_t k = mesh->start[i]; k < mesh->start[i + 1]; k++)
+                io_hold_node(mesh->model, foam_node(mesh, mesh->node[k]), IO_HELD_BY_OTHER);
+}
+
+static int is_simplex(int type) {
+    return type == PLANISH_CELL_TETRAHEDRON || type == PLANISH_CELL_TRIANGLE;
 }
 
 /** Add the element that a cell has become to the model. */
 static int add_element(foam_mesh *mesh, int type, const int32_t *node, int64_t cell,
                        planish_error *error) {
     io_model *model = mesh->model;
-    if (type == PLANISH_CELL_TETRAHEDRON || type == PLANISH_CELL_TRIANGLE) {
+    if (is_simplex(type)) {
         mesh->thing[cell] = (int32_t)io_model_cells(model, mesh->dim)->n;
         return io_cells_add(model, mesh->dim, node, 0, cell, error);
     }
@@ -272,84 +327,41 @@ static int add_element(foam_mesh *mesh, int type, const int32_t *node, int64_t c
     return io_model_add_other(model, type, node, 0, cell, error);
 }
 
-enum { BLOCK = 1 << 14, CHUNK = 1 << 9 }; /* cells whose elements are kept until they are added */
-
-/** Elements of cells first, first + 1, ... */
-typedef struct cell_block {
-    const foam_mesh *mesh;
-    const sides *sides;
-    int64_t first;
-    uint8_t *shape;                /* [BLOCK] N_SHAPES: none */
-    int32_t (*node)[MOST_CORNERS]; /* [BLOCK] */
-} cell_block;
-
-static void find_elements(void *context, int64_t begin, int64_t end, int thread) {
-    const cell_block *b = context;
-    (void)thread;
-    for (int64_t i = begin; i < end; i++) {
-        cell_faces f;
-        int32_t *node = b->node[i];
-        uint8_t k = gather(b->mesh, b->sides, b->first + i, &f) ? 0 : N_SHAPES;
-        while (k < N_SHAPES && !has_kinds(&shapes[k], &f))
-            k++;
-        if (k < N_SHAPES &&
-            !(k == 0 ? is_tetrahedron(&f, node) : is_of_shape(&shapes[k], &f, node)))
-            k = N_SHAPES;
-        b->shape[i] = k;
+/** Add the elements of all cells to the model. */
+static int add_elements(foam_mesh *mesh, const foam_elements *e, planish_error *error) {
+    io_model *model = mesh->model;
+    int64_t n_simplices = 0, n_others = 0, n_nodes = 0;
+    for (int64_t cell = 0; cell < mesh->n_cells; cell++) {
+        const int type = e->type[cell], is_other = type && !is_simplex(type);
+        n_simplices += is_simplex(type);
+        n_others += is_other;
+        n_nodes += is_other ? io_cell_type_nodes(type) : 0;
     }
-}
-
-/** Make elements of all cells. */
-static int add_cells(foam_mesh *mesh, const sides *s, planish_error *error) {
-    cell_block b = {.mesh = mesh, .sides = s};
-    b.shape = pl_alloc(BLOCK, sizeof *b.shape);
-    b.node = pl_alloc(BLOCK, sizeof *b.node);
-    int status = b.shape && b.node ? PLANISH_OK : pl_fail_memory(error, "cells");
-    for (; b.first < mesh->n_cells && !status; b.first += BLOCK) {
-        const int64_t left = mesh->n_cells - b.first, n = left < BLOCK ? left : BLOCK;
-        pl_parallel_for(mesh->model->threads, n, CHUNK, find_elements, &b);
-        for (int64_t i = 0; i < n && !status; i++) {
-            const int64_t cell = b.first + i;
-            mesh->thing[cell] = -1;
-            if (b.shape[i] < N_SHAPES)
-                status = add_element(mesh, shapes[b.shape[i]].type, b.node[i], cell, error);
-            else
-                hold_cell(mesh, s, cell);
-        }
-    }
-    pl_free(b.shape);
-    pl_free(b.node);
-    return status;
-}
-
-/** Make elements of the faces that the cells of a layer have on its side. */
-static int add_flat_cells(foam_mesh *mesh, const sides *s, planish_error *error) {
-    int status = PLANISH_OK;
+    const int64_t n_polyhedra = mesh->n_cells - n_simplices - n_others;
+    model->n_other += n_polyhedra;
+    if (n_polyhedra > 0)
+        hold_cells(mesh, e->type);
+    int status = io_cells_reserve(model, mesh->dim, n_simplices, 1, 1, error);
+    if (!status)
+        status = io_others_reserve(model, mesh->dim, n_others, n_nodes, 1, error);
     for (int64_t cell = 0; cell < mesh->n_cells && !status; cell++) {
-        const int64_t begin = mesh->start[mesh->base[cell]];
-        const int64_t n = mesh->start[mesh->base[cell] + 1] - begin;
-        int32_t node[FACE_CORNERS];
         mesh->thing[cell] = -1;
-        for (int64_t k = 0; k < n && n <= FACE_CORNERS; k++)
-            node[k] = foam_node(mesh, mesh->node[begin + k]);
-        if (n > FACE_CORNERS)
-            hold_cell(mesh, s, cell);
-        else
-            status = add_element(mesh, n == 3 ? PLANISH_CELL_TRIANGLE : PLANISH_CELL_QUADRILATERAL,
-                                 node, cell, error);
+        if (e->type[cell])
+            status = add_element(mesh, e->type[cell], e->node + cell * e->width, cell, error);
     }
     return status;
 }
 
 int foam_make_cells(foam_mesh *mesh, planish_error *error) {
-    sides s = {.start = NULL};
-    int status = make_sides(mesh, &s, error);
+    foam_elements e;
+    int status = mesh->dim == 2 ? find_flat_elements(mesh, &e, error)
+                                : foam_find_elements(mesh, 0, &e, error);
     if (!status && !(mesh->thing = pl_alloc(mesh->n_cells, sizeof *mesh->thing)))
         status = pl_fail_memory(error, "cells");
     if (!status)
-        status = mesh->dim == 2 ? add_flat_cells(mesh, &s, error) : add_cells(mesh, &s, error);
-    pl_free(s.start);
-    pl_free(s.side);
+        status = add_elements(mesh, &e, error);
+    pl_free(e.type);
+    pl_free(e.node);
     if (status)
         return status;
     const io_cells *simplices = io_model_cells(mesh->model, mesh->dim);

@@ -9,8 +9,6 @@
 #include "base/memory.h"
 #include "base/status.h"
 
-#include <string.h>
-
 enum { LEAST = 3 }; /* nodes of a face */
 
 typedef struct face_reader {
@@ -85,6 +83,9 @@ static int read_uniform_faces(void *context, io_cursor *cursor, int64_t begin, i
 /** Make room for one more node. */
 static int append_node(face_reader *r, int32_t node, planish_error *error) {
     foam_mesh *mesh = r->mesh;
+    if (r->n_nodes == INT32_MAX)
+        return pl_fail(error, PLANISH_ERROR_FORMAT, "%s: more than %d nodes of faces",
+                       r->file.of.view.input.path, INT32_MAX);
     if (r->n_nodes == r->capacity) {
         int32_t *grown =
             pl_grow(mesh->node, r->n_nodes, r->n_nodes + 1, &r->capacity, sizeof *grown);
@@ -116,7 +117,7 @@ static int read_faces(face_reader *r, planish_error *error) {
         int32_t node = 0;
         const char *at = cursor->at;
         int status = begin_face(r, cursor, face, &n, error), more = 0;
-        mesh->start[face] = r->n_nodes;
+        mesh->start[face] = (int32_t)r->n_nodes;
         while (!status && (more = next_node(r, cursor, face, &node, error)) == 1)
             status = append_node(r, node, error);
         status = more < 0 ? more : status;
@@ -126,7 +127,7 @@ static int read_faces(face_reader *r, planish_error *error) {
         if (status)
             return status;
     }
-    mesh->start[mesh->n_faces] = r->n_nodes;
+    mesh->start[mesh->n_faces] = (int32_t)r->n_nodes;
     return PLANISH_OK;
 }
 
@@ -143,7 +144,7 @@ static int read_text_faces(face_reader *r, planish_error *error) {
     planish_error ignored;
     r->uniform = count_first(r);
     r->capacity = r->uniform * mesh->n_faces;
-    if (r->uniform * mesh->n_faces > io_left(&r->file.cursor) / 2 + 1)
+    if (r->capacity > io_left(&r->file.cursor) / 2 + 1 || r->capacity > INT32_MAX)
         r->uniform = r->capacity = 0;
     if (r->uniform) {
         mesh->node = pl_alloc(r->capacity, sizeof *mesh->node);
@@ -157,7 +158,7 @@ static int read_text_faces(face_reader *r, planish_error *error) {
                                            read_uniform_faces, r, &ignored);
         io_text_release(&text);
         for (int64_t i = 0; i <= mesh->n_faces && !differ; i++)
-            mesh->start[i] = i * r->uniform;
+            mesh->start[i] = (int32_t)(i * r->uniform);
         if (!differ) {
             r->file.cursor = from;
             return PLANISH_OK;
@@ -178,7 +179,7 @@ static int read_single_faces(face_reader *r, planish_error *error) {
         int64_t n = 0;
         status = foam_labels(&r->file, "nodes of a face", 0, mesh->model->n_nodes - 1, &nodes, &n,
                              error);
-        mesh->start[face] = r->n_nodes;
+        mesh->start[face] = (int32_t)r->n_nodes;
         if (!status && n < LEAST)
             status = fail_size(r, at, face, n, n, error);
         else if (!status && n > r->file.cursor.at - at) /* 65536{0}: equal ones take no room */
@@ -187,36 +188,31 @@ static int read_single_faces(face_reader *r, planish_error *error) {
             status = append_node(r, nodes[k], error);
         pl_free(nodes);
     }
-    mesh->start[mesh->n_faces] = r->n_nodes;
+    mesh->start[mesh->n_faces] = (int32_t)r->n_nodes;
     return status;
 }
 
 /** Read compact faces: where the nodes of each begin, then all nodes. */
 static int read_compact_faces(face_reader *r, planish_error *error) {
     foam_mesh *mesh = r->mesh;
-    int32_t *start = NULL;
     int64_t n_starts = 0;
     const char *at = r->file.cursor.at;
     int status =
-        foam_labels(&r->file, "beginnings of faces", 0, INT32_MAX, &start, &n_starts, error);
+        foam_labels(&r->file, "beginnings of faces", 0, INT32_MAX, &mesh->start, &n_starts, error);
+    const int32_t *start = mesh->start;
     if (!status && n_starts == 0)
         status = io_fail_at(&r->file.of.view, at, error, "there are no faces");
     if (!status)
         status = foam_labels(&r->file, "nodes of faces", 0, mesh->model->n_nodes - 1, &mesh->node,
                              &r->n_nodes, error);
     mesh->n_faces = status ? 0 : n_starts - 1;
-    if (!status && !(mesh->start = pl_alloc(n_starts, sizeof *mesh->start)))
-        status = pl_fail_memory(error, "faces");
-    for (int64_t i = 0; i < n_starts && !status; i++) {
-        mesh->start[i] = start[i];
-        if (i > 0 && start[i] - (int64_t)start[i - 1] < LEAST)
+    for (int64_t i = 1; i < n_starts && !status; i++)
+        if (start[i] - (int64_t)start[i - 1] < LEAST)
             status = fail_size(r, at, i - 1, start[i] - (int64_t)start[i - 1], 0, error);
-    }
     if (!status && (start[0] != 0 || start[mesh->n_faces] != r->n_nodes))
         status =
             io_fail_at(&r->file.of.view, at, error,
                        "the faces have other numbers of nodes than there are nodes in the list");
-    pl_free(start);
     return status;
 }
 
@@ -263,7 +259,7 @@ static int read_cells(const foam_mesh *mesh, const char *name, int64_t first, in
 static int count_cells(foam_mesh *mesh, planish_error *error) {
     int64_t n_sides = mesh->n_faces;
     for (int64_t i = 0; i < mesh->n_faces; i++) {
-        const int32_t a = mesh->owner[i], b = mesh->neighbour[i];
+        const int32_t a = mesh->owner[i], b = foam_neighbour(mesh, i);
         n_sides += b >= 0;
         mesh->n_cells = mesh->n_cells > a ? mesh->n_cells : (int64_t)a + 1;
         mesh->n_cells = mesh->n_cells > b ? mesh->n_cells : (int64_t)b + 1;
@@ -282,22 +278,13 @@ static int count_cells(foam_mesh *mesh, planish_error *error) {
 int foam_read_faces(foam_mesh *mesh, planish_error *error) {
     face_reader r = {.mesh = mesh};
     int64_t n = 0;
-    int32_t *neighbour = NULL;
     int status = read_face_file(&r, error);
     foam_close(&r.file);
     if (!status)
         status = read_cells(mesh, "owner", 0, &mesh->owner, &n, error);
     if (!status)
-        status = read_cells(mesh, "neighbour", -1, &neighbour, &n, error);
-    if (!status && !(mesh->neighbour = pl_alloc(mesh->n_faces, sizeof *mesh->neighbour)))
-        status = pl_fail_memory(error, "faces");
-    if (!status) { /* what is missing behind the inner faces is -1, as old files have it */
-        memcpy(mesh->neighbour, neighbour, (size_t)n * sizeof *neighbour);
-        memset(mesh->neighbour + n, -1, (size_t)(mesh->n_faces - n) * sizeof *neighbour);
-        status = count_cells(mesh, error);
-    }
-    pl_free(neighbour);
-    return status;
+        status = read_cells(mesh, "neighbour", -1, &mesh->neighbour, &mesh->n_listed, error);
+    return status ? status : count_cells(mesh, error);
 }
 
 void foam_release_mesh(foam_mesh *mesh) {

@@ -39,7 +39,7 @@ static int make_facets(const foam_mesh *mesh, const uint8_t *is_wanted, int32_t 
         const int32_t *node = mesh->node + mesh->start[i];
         const int64_t n = mesh->start[i + 1] - mesh->start[i];
         thing[i] = -1;
-        if (mesh->neighbour[i] >= 0 && !is_wanted[i])
+        if (foam_neighbour(mesh, i) >= 0 && !is_wanted[i])
             continue;
         if (mesh->dim == 2) {
             status = add_line(mesh, node, (int)n, i, &thing[i], error);
@@ -90,6 +90,17 @@ static int dim_of(const foam_mesh *mesh, foam_things things) {
     return things == FOAM_POINTS ? 0 : things == FOAM_FACES ? mesh->dim - 1 : mesh->dim;
 }
 
+/** Make one entity of all facets or cells, which no set has. */
+static int make_one_entity(io_model *model, int dim, int64_t n_others, planish_error *error) {
+    const io_cells *cells = io_model_cells(model, dim);
+    const int32_t entity = io_model_entity(model, dim, 0, 0, NULL, error);
+    for (int64_t i = 0; i < cells->n; i++)
+        cells->entity[i] = entity;
+    for (int64_t i = 0; i < n_others; i++)
+        io_model_others(model, dim)->entity[i] = entity;
+    return entity < 0 ? entity : PLANISH_OK;
+}
+
 /** Make the entities of nodes (dim 0), facets or cells by the sets that each is in. */
 static int make_entities(const foam_mesh *mesh, const foam_sets *sets, foam_things things,
                          const int32_t *thing, planish_error *error) {
@@ -99,6 +110,11 @@ static int make_entities(const foam_mesh *mesh, const foam_sets *sets, foam_thin
     io_cells *cells = dim ? io_model_cells(model, dim) : NULL;
     const io_others *others = dim > 1 ? io_model_others(model, dim) : &none;
     io_memberships m = {.n = 0};
+    int64_t n_members = 0;
+    for (int64_t i = 0; i < sets->n; i++)
+        n_members += sets->set[i].things == things ? sets->set[i].n : 0;
+    if (dim && n_members == 0 && cells->n + others->n > 0)
+        return make_one_entity(model, dim, others->n, error);
     int status = io_memberships_begin(&m, dim ? cells->n + others->n : model->n_nodes, error);
     for (int pass = 0; pass < 2 && !status; pass++) {
         add_members(sets, things, thing, &m);

@@ -101,7 +101,7 @@ static int read_patch(const foam_mesh *mesh, foam_patches *p, io_slice word, pla
                           IO_QUOTED(to.name), (long long)to.first);
     p->n_behind = to.n > 0 ? to.first + to.n : p->n_behind;
     for (int64_t i = to.first; i < to.first + to.n; i++)
-        if (mesh->neighbour[i] >= 0)
+        if (foam_neighbour(mesh, i) >= 0)
             return io_fail_at(view, to.at, error, "patch '%.*s': face %lld is between two cells",
                               IO_QUOTED(to.name), (long long)i);
     return pl_append(&p->patch, &p->n, &p->capacity, &to, sizeof to)

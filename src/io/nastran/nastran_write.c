@@ -115,6 +115,24 @@ static void put_property_name(nastran_out *n, const io_view_block *block) {
     io_put_text(&n->writer, "\"\n");
 }
 
+/** Note the groups that no property can have. */
+static void lose_groups(const io_view *view, io_losses *losses) {
+    const io_model *model = view->model;
+    int n_of_nodes = 0, n_several = 0;
+    for (int32_t g = 0; g < model->n_groups; g++)
+        n_of_nodes += model->group[g].dim == 0;
+    for (int32_t e = 0; e < model->n_entities; e++) {
+        int n = 0;
+        for (int32_t g = 0; g < model->n_groups && n < 2 && model->entity[e].dim > 0; g++)
+            n += io_view_is_in_group(view, e, g) != 0;
+        n_several += n > 1;
+    }
+    if (n_of_nodes > 0)
+        io_losses_add(losses, "groups of nodes");
+    if (n_several > 0)
+        io_losses_add(losses, "all but the first group of elements that are in several");
+}
+
 static int nastran_write(const io_view *view, pl_output *output, io_losses *losses,
                          planish_error *error) {
     nastran_out n = {.view = view};
@@ -136,6 +154,7 @@ static int nastran_write(const io_view *view, pl_output *output, io_losses *loss
             put_block(&n, &blocks.block[b]);
         io_put_text(&n.writer, "ENDDATA\n");
         io_view_lose_types(types, &blocks, losses);
+        lose_groups(view, losses);
         io_view_lose_fields(view, losses);
         io_losses_add(losses, "digits of coordinates beyond 16 characters");
     }

@@ -39,6 +39,21 @@ static int is_name(const char *name, io_slice slice) {
     return io_include_compare((io_slice){name, name + strlen(name)}, slice) == 0;
 }
 
+/** Find a name among those of files, which are sorted behind that of the input. Return its place, or that
+ *  of the first one behind it. */
+static int64_t find_name(const io_model *model, io_slice name) {
+    int64_t low = model->document.data && model->n_beside > 0, high = model->n_beside;
+    while (low < high) {
+        const int64_t middle = low + (high - low) / 2;
+        const char *there = model->beside[middle];
+        if (io_include_compare((io_slice){there, there + strlen(there)}, name) < 0)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
 /** Note the name of a file, and where the document names the input. */
 static int note_name(xdmf_reader *r, const xdmf_item *item, void *user) {
     io_model *model = r->model;
@@ -48,9 +63,9 @@ static int note_name(xdmf_reader *r, const xdmf_item *item, void *user) {
         const io_edit place = {item->file.begin - data, item->file.end - data, NULL, 0};
         return io_edits_add(&model->input_names, place, r->error);
     }
-    for (int64_t i = 0; i < model->n_beside; i++)
-        if (is_name(model->beside[i], item->file))
-            return PLANISH_OK;
+    const int64_t at = find_name(model, item->file);
+    if (at < model->n_beside && is_name(model->beside[at], item->file))
+        return PLANISH_OK;
     if (model->n_beside == MOST_FILES)
         return xdmf_fail(&r->document, item->element, "more than %d files are named", MOST_FILES);
     char *path;
@@ -60,10 +75,14 @@ static int note_name(xdmf_reader *r, const xdmf_item *item, void *user) {
     const int64_t n = io_slice_length(item->file);
     char *name = path + strlen(path) - n;
     memmove(path, name, (size_t)n + 1);
-    if (pl_append(&model->beside, &model->n_beside, &model->beside_capacity, &path, sizeof path))
-        return PLANISH_OK;
-    pl_free(path);
-    return pl_fail_memory(r->error, "the names of files");
+    if (!pl_append(&model->beside, &model->n_beside, &model->beside_capacity, &path, sizeof path)) {
+        pl_free(path);
+        return pl_fail_memory(r->error, "the names of files");
+    }
+    memmove(model->beside + at + 1, model->beside + at,
+            (size_t)(model->n_beside - 1 - at) * sizeof path);
+    model->beside[at] = path;
+    return PLANISH_OK;
 }
 
 /** Note the files that the XML names, that of the coordinates first. */
