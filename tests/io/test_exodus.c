@@ -531,10 +531,10 @@ static void no_other_file_is_opened(void **state) {
         planish_data data;
         planish_error error = {.text = ""};
         for (size_t i = 0; i < sizeof needed / sizeof *needed; i++) {
-            write_with_outside(folder, needed[i], outside, way);
+            write_with_outside(folder, needed[i], outside, (outside_way)way);
             folder_open_fails(folder, "in/mesh.e", words[way]);
         }
-        write_with_outside(folder, "/vals_nod_var1", outside, way);
+        write_with_outside(folder, "/vals_nod_var1", outside, (outside_way)way);
         if (way == BY_LINK) {
             folder_open_fails(folder, "in/mesh.e", words[way]);
             continue;
