@@ -16,7 +16,7 @@ import subprocess
 import sys
 import tempfile
 
-from tiny_meshes import folders, meshes
+from tiny_meshes import folders, meshes, xdmf_beside
 
 program, every = sys.argv[1], int(sys.argv[2])
 limit = (int(sys.argv[3]) if len(sys.argv) > 3 else 400) << 20
@@ -93,6 +93,7 @@ def cases():
         if name not in tetgen:
             yield name, {name}, {name: data}
     yield "tetgen.node", set(tetgen), tetgen
+    yield "beside.xdmf", set(xdmf_beside()), xdmf_beside()
     for name, inside in folders().items():
         yield name, {name}, {os.path.join(name, file): data for file, data in inside.items()}
 

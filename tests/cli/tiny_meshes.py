@@ -283,6 +283,17 @@ def xdmf():
             '0 4</DataItem></Set>\n</Grid></Domain></Xdmf>\n').encode()
 
 
+def xdmf_beside():
+    """An XDMF file whose numbers stand in a file of bytes beside it."""
+    cells = [i - 1 for t in TETRAHEDRA for i in t]
+    item = '<DataItem Dimensions="%s" Format="Binary" Endian="Little" NumberType="%s" Precision="%d" Seek="%d">beside.bin</DataItem>'
+    return {"beside.xdmf": ('<?xml version="1.0"?>\n<Xdmf Version="3.0"><Domain><Grid GridType="Uniform">\n'
+                            '<Topology TopologyType="Tetrahedron" NumberOfElements="2">' + item % ("2 4", "Int", 4, 120) +
+                            '</Topology>\n<Geometry>' + item % ("5 3", "Float", 8, 0) +
+                            '</Geometry>\n</Grid></Domain></Xdmf>\n').encode(),
+            "beside.bin": struct.pack("<15d8i", *[x for p in POINTS for x in p], *cells)}
+
+
 def meshes():
     return {
         "gmsh22.msh": gmsh22(), "gmsh22_binary.msh": gmsh22_binary(), "gmsh41.msh": gmsh41(),

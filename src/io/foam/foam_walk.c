@@ -15,7 +15,7 @@
 
 #include <string.h>
 
-/** What is known of a cell, bits. Those before BASE: the sides at the edges of the base. */
+/** Bits of knowledge about a cell. Those below BASE are the sides at the edges of the base. */
 enum { SIDES_OF_3 = 7, SIDES_OF_4 = 15, BASE = 16, TOP = 32, FOUR = 64, WRONG = 128 };
 
 typedef struct walk {
