@@ -59,7 +59,7 @@ static inline int add_face(int n, const int32_t *face, int32_t *element) {
         n_of_base += corner[i] >= 0;
     }
     for (int i = 0; i < n; i++)
-        first = (corner[i] >= 0) & (corner[(i + 1) % n] >= 0) ? i : first;
+        first = corner[i] >= 0 && corner[(i + 1) % n] >= 0 ? i : first;
     const int k = corner[first], next = (k + 1) % n;
     if (n_of_base != 2 || k < 0 || corner[(first + 1) % n] != next)
         return n == 4 && n_of_base == 0 ? TOP : WRONG;

@@ -122,10 +122,8 @@ static void lose_groups(const io_view *view, io_losses *losses) {
     for (int32_t g = 0; g < model->n_groups; g++)
         n_of_nodes += model->group[g].dim == 0;
     for (int32_t e = 0; e < model->n_entities; e++) {
-        int n = 0;
-        for (int32_t g = 0; g < model->n_groups && n < 2 && model->entity[e].dim > 0; g++)
-            n += io_view_is_in_group(view, e, g) != 0;
-        n_several += n > 1;
+        const int32_t first = model->entity[e].dim > 0 ? io_view_next_group(view, e, -1) : -1;
+        n_several += first >= 0 && io_view_next_group(view, e, first) >= 0;
     }
     if (n_of_nodes > 0)
         io_losses_add(losses, "groups of nodes");
