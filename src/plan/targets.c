@@ -9,6 +9,7 @@
 #include "shape/layer_shapes.h"
 #include "topology/topology.h"
 
+#include <float.h>
 #include <inttypes.h>
 #include <math.h>
 
@@ -72,14 +73,20 @@ typedef struct target_pass {
     int64_t lowest; /* element that has none; shared */
 } target_pass;
 
-/** Edges of an element of the reference; returns its sign. */
-static double reference_edges(const target_pass *p, int64_t element, double edges[3][3]) {
-    const int dim = p->plan->dim;
-    const int32_t *node = p->plan->work.elements + element * (dim + 1);
+/** Find the edges of an element of the plan at points, which go by the caller's nodes. */
+static void edges_at(const planish_plan *plan, const pl_points *points, int64_t element,
+                     double edges[3][3]) {
+    const int dim = plan->dim;
+    const int32_t *node = plan->work.elements + element * (dim + 1);
     for (int j = 0; j < dim; j++)
         for (int d = 0; d < dim; d++)
-            edges[j][d] = p->reference.x[pl_point_at(&p->reference, node[j + 1], d)] -
-                          p->reference.x[pl_point_at(&p->reference, node[0], d)];
+            edges[j][d] = points->x[pl_point_at(points, node[j + 1], d)] -
+                          points->x[pl_point_at(points, node[0], d)];
+}
+
+/** Edges of an element of the reference; returns its sign. */
+static double reference_edges(const target_pass *p, int64_t element, double edges[3][3]) {
+    edges_at(p->plan, &p->reference, element, edges);
     return p->sign ? p->sign[element] : 1;
 }
 
@@ -128,9 +135,40 @@ int pl_targets_make(planish_plan *plan, pl_points reference, const int8_t *sign,
 typedef struct layer_pass {
     const planish_plan *plan;
     const planish_mesh *given;
+    pl_points points; /* as they were */
     pl_layer_shapes shapes;
     pl_target *target;
 } layer_pass;
+
+/** Sum of the squared edges of a corner, those between its neighbours, too. */
+static double squares_of(int dim, const double edges[3][3]) {
+    double sum = 0, between[3];
+    for (int j = 0; j < dim; j++) {
+        sum += pl_dot(dim, edges[j], edges[j]);
+        for (int k = 0; k < j; k++) {
+            pl_subtract(dim, edges[j], edges[k], between);
+            sum += pl_dot(dim, between, between);
+        }
+    }
+    return sum;
+}
+
+/** Give the target of a corner that is no layer's, an ideal one, the size that the corner has: layers have
+ *  theirs, and untangling wants the sizes of all targets in one unit. */
+static void give_size(const layer_pass *p, const pl_cell_shape *shape, int64_t element,
+                      pl_target *target) {
+    const int dim = p->plan->dim;
+    double ideal[3][3] = {{0}}, edges[3][3] = {{0}};
+    pl_ideal_edges(shape, ideal);
+    edges_at(p->plan, &p->points, element, edges);
+    const double square =
+        squares_of(dim, (const double(*)[3])edges) / squares_of(dim, (const double(*)[3])ideal);
+    const double measure = (dim == 3 ? sqrt(square) : 1) * square * target->measure;
+    if (!(measure > DBL_MIN && 1 / measure > DBL_MIN))
+        return;
+    target->measure = measure;
+    target->unit = 1 / measure;
+}
 
 static void make_layer_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const layer_pass *p = context;
@@ -140,6 +178,8 @@ static void make_layer_chunk(void *context, int64_t begin, int64_t end, int thre
         const pl_cell_shape *shape = pl_cell_type_of(p->given->cells->type[cell])->shape;
         pl_layer_shapes_target(&p->shapes, shape, cell, pl_corner_index(p->plan->work.corner[i]),
                                &p->target[i]);
+        if (p->shapes.place[cell] == -1)
+            give_size(p, shape, i, &p->target[i]);
     }
 }
 
@@ -157,7 +197,7 @@ int pl_layer_targets_make(planish_plan *plan, const planish_mesh *given, planish
     const pl_points points =
         pl_points_of(given, given->reference ? given->reference : given->coordinates);
     double *own = NULL;
-    layer_pass p = {.plan = plan, .given = given};
+    layer_pass p = {.plan = plan, .given = given, .points = points};
     planish_mesh mesh = *given;
     plan->is_blunt = has_thin_product(given);
     plan->work.target = p.target = pl_alloc(plan->work.n_elements, sizeof *p.target);
