@@ -8,6 +8,7 @@
 
 #include "job/cells.h"
 #include "job/curved.h"
+#include "job/heights.h"
 #include "job/job.h"
 #include "job/progress.h"
 #include "report/picture.h"
@@ -30,8 +31,9 @@ typedef struct pl_result {
     pl_surface_state surface;
     planish_result smooth;
     double smooth_seconds, write_seconds, total_seconds;
-    int lacks_reports; /* there was no memory for what reports need */
-    char reason[1024]; /* why the end is not the plain one, or "" */
+    int lacks_reports;  /* there was no memory for what reports need */
+    char reason[1024];  /* why the end is not the plain one, or "" */
+    pl_heights heights; /* of layers, after */
 } pl_result;
 
 /** Whether first-order optimality was measured: there is more to it than a small gradient. */
@@ -49,6 +51,7 @@ typedef struct pl_measured {
     uint8_t *reversed; /* [mesh.n_elements] as of pl_reversed_find, owned, or NULL */
     pl_worst worst;
     pl_surface_state surface;
+    pl_heights heights; /* of layers */
 } pl_measured;
 
 struct cJSON;
