@@ -1130,7 +1130,7 @@ typedef struct planish_layer_heights {
 
 /** Compare the heights of the layers that mesh->is_layer marks with those in mesh->reference (NULL: in
  *  mesh->coordinates). off [n_nodes] (may be NULL) is filled with the largest |height / wanted - 1| of
- *  the edges at each node whose wanted height is that in the reference, 0 without. threads: as in
+ *  the edges at each node, 0 where a wall was moved or there is no layer. threads: as in
  *  planish_options. On failure heights and off are unspecified. Errors: _ARGUMENT, _MESH, _MEMORY, _PARTS
  *  (mesh->part). */
 PLANISH_API int planish_measure_layers(const planish_mesh *mesh, int threads,

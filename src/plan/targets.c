@@ -7,6 +7,7 @@
 #include "base/status.h"
 #include "shape/size_field.h"
 #include "shape/layer_shapes.h"
+#include "topology/frame.h"
 #include "topology/topology.h"
 
 #include <float.h>
@@ -73,20 +74,14 @@ typedef struct target_pass {
     int64_t lowest; /* element that has none; shared */
 } target_pass;
 
-/** Find the edges of an element of the plan at points, which go by the caller's nodes. */
-static void edges_at(const planish_plan *plan, const pl_points *points, int64_t element,
-                     double edges[3][3]) {
-    const int dim = plan->dim;
-    const int32_t *node = plan->work.elements + element * (dim + 1);
-    for (int j = 0; j < dim; j++)
-        for (int d = 0; d < dim; d++)
-            edges[j][d] = points->x[pl_point_at(points, node[j + 1], d)] -
-                          points->x[pl_point_at(points, node[0], d)];
-}
-
 /** Edges of an element of the reference; returns its sign. */
 static double reference_edges(const target_pass *p, int64_t element, double edges[3][3]) {
-    edges_at(p->plan, &p->reference, element, edges);
+    const int dim = p->plan->dim;
+    const int32_t *node = p->plan->work.elements + element * (dim + 1);
+    for (int j = 0; j < dim; j++)
+        for (int d = 0; d < dim; d++)
+            edges[j][d] = p->reference.x[pl_point_at(&p->reference, node[j + 1], d)] -
+                          p->reference.x[pl_point_at(&p->reference, node[0], d)];
     return p->sign ? p->sign[element] : 1;
 }
 
@@ -135,7 +130,8 @@ int pl_targets_make(planish_plan *plan, pl_points reference, const int8_t *sign,
 typedef struct layer_pass {
     const planish_plan *plan;
     const planish_mesh *given;
-    pl_points points; /* as they were */
+    const double *x; /* [n_nodes][dim] as they were, */
+    pl_frame frame;  /* in whose units layers have their sizes */
     pl_layer_shapes shapes;
     pl_target *target;
 } layer_pass;
@@ -158,9 +154,13 @@ static double squares_of(int dim, const double edges[3][3]) {
 static void give_size(const layer_pass *p, const pl_cell_shape *shape, int64_t element,
                       pl_target *target) {
     const int dim = p->plan->dim;
+    const int32_t *node = p->plan->work.elements + element * (dim + 1);
     double ideal[3][3] = {{0}}, edges[3][3] = {{0}};
     pl_ideal_edges(shape, ideal);
-    edges_at(p->plan, &p->points, element, edges);
+    for (int j = 0; j < dim; j++)
+        for (int d = 0; d < dim; d++)
+            edges[j][d] = pl_frame_difference(&p->frame, p->x[(int64_t)node[j + 1] * dim + d],
+                                              p->x[(int64_t)node[0] * dim + d]);
     const double square =
         squares_of(dim, (const double(*)[3])edges) / squares_of(dim, (const double(*)[3])ideal);
     const double measure = (dim == 3 ? sqrt(square) : 1) * square * target->measure;
@@ -197,7 +197,7 @@ int pl_layer_targets_make(planish_plan *plan, const planish_mesh *given, planish
     const pl_points points =
         pl_points_of(given, given->reference ? given->reference : given->coordinates);
     double *own = NULL;
-    layer_pass p = {.plan = plan, .given = given, .points = points};
+    layer_pass p = {.plan = plan, .given = given};
     planish_mesh mesh = *given;
     plan->is_blunt = has_thin_product(given);
     plan->work.target = p.target = pl_alloc(plan->work.n_elements, sizeof *p.target);
@@ -207,9 +207,10 @@ int pl_layer_targets_make(planish_plan *plan, const planish_mesh *given, planish
         return pl_fail_memory(error, "the targets of the elements");
     if (own)
         pl_points_gather(&points, plan->threads, own);
-    mesh.coordinates = own ? own : points.x;
-    const int status =
-        pl_layer_shapes_find(&mesh, given->is_layer, plan->threads, &p.shapes, error);
+    mesh.coordinates = p.x = own ? own : points.x;
+    int status = pl_frame_create(&mesh, NULL, plan->threads, &p.frame, error);
+    if (!status)
+        status = pl_layer_shapes_find(&mesh, given->is_layer, plan->threads, &p.shapes, error);
     if (!status)
         pl_parallel_for(plan->threads, plan->work.n_elements, CHUNK, make_layer_chunk, &p);
     pl_layer_shapes_free(&p.shapes);

@@ -138,7 +138,12 @@ for kind in quads hexes prisms; do
     # So many inverted elements may be those of a tangled mesh: keep has to be asked for.
     expect_status 0 "$program" smooth moved.mesh -o out.mesh --json report.json
     expect_json 'r["after"]["inverted"] == 0 and r["mesh"]["kept_layer_elements"] == 0 and r["target"] == "regular"'
-    [ $kind = quads ] || expect_text "are thin in layers (did a wall move?): --layers keep keeps their heights"
+    if [ $kind != quads ]; then
+        expect_text "are thin in layers (did a wall move?): --layers keep keeps their heights"
+        grep "did a wall move" err >noted
+        expect_status 0 "$program" quality moved.mesh
+        expect_text "$(cat noted)"
+    fi
     expect_status 0 "$program" smooth moved.mesh -o out.mesh --layers keep --json report.json
     expect_json 'r["after"]["inverted"] == 0 and r["target"] == "layers"'
 done

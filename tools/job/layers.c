@@ -147,8 +147,13 @@ int pl_layers_are_many(int64_t n, int64_t n_elements) {
     return n >= MANY_AT_LEAST && (double)n >= MANY * (double)n_elements;
 }
 
+/** Elements of the mesh; that of the command quality has the simplices alone. */
+static int64_t count_elements(const pl_job *job) {
+    return job->file ? planish_file_mesh(job->file).n_elements : job->mesh.n_elements;
+}
+
 static int are_many(const pl_job *job) {
-    return pl_layers_are_many(job->layers.n_loose, job->mesh.n_elements);
+    return pl_layers_are_many(job->layers.n_loose, count_elements(job));
 }
 
 int pl_layers_count(pl_job *job, const planish_quality *quality) {
@@ -189,10 +194,7 @@ int pl_layers_count(pl_job *job, const planish_quality *quality) {
 
 /** Write "N elements (P %)" to text. */
 static void put_count(const pl_job *job, int64_t n, char *text, size_t size) {
-    /* The mesh of the command quality has the simplices alone. */
-    const int64_t n_mesh =
-        job->file ? planish_file_mesh(job->file).n_elements : job->mesh.n_elements;
-    const int64_t of = n_mesh + job->file_info.n_other_elements;
+    const int64_t of = count_elements(job) + job->file_info.n_other_elements;
     const double percent = of > 0 ? 100 * (double)n / (double)of : 0;
     if (n > 0 && percent < 0.1)
         snprintf(text, size, "%" PRId64 " elements (< 0.1 %%)", n);
@@ -232,8 +234,12 @@ void pl_layers_print(FILE *stream, const pl_job *job) {
         return;
     }
     print_default(stream, job);
-    put_count(job, layers->n_loose, count, sizeof count);
-    if (are_many(job) && layers->is_tangled)
+    /* The command quality does not know which nodes of all elements move. */
+    const int64_t n = layers->is_tangled && job->arguments->command == PL_COMMAND_QUALITY
+                          ? layers->n
+                          : layers->n_loose;
+    put_count(job, n, count, sizeof count);
+    if (pl_layers_are_many(n, count_elements(job)) && layers->is_tangled)
         pl_note(stream,
                 "%s are thin in layers (did a wall move?): --layers keep keeps their heights",
                 count);
