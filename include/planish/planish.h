@@ -43,7 +43,7 @@
  *                              planish_fit_project, planish_fit_measure
  *   Regions                    planish_region_name, planish_find_regions, _combine_regions,
  *                              _find_interfaces
- *   Elements thin in layers    planish_find_layers
+ *   Elements thin in layers    planish_find_layers, planish_measure_layers
  *   Options                    planish_options, planish_options_init, callbacks, planish_progress
  *   Plan                       planish_plan_create, _destroy, _get_info, _get_free, _get_held,
  *                              planish_find_wrapped
@@ -1108,6 +1108,37 @@ typedef struct planish_cell_values {
 PLANISH_API int planish_measure_cells(const planish_mesh *mesh, double rounding, int threads,
                                       planish_cell_quality *quality,
                                       const planish_cell_values *values, planish_error *error);
+
+/* ---- Heights of layers ---------------------------------------------------------------------- */
+
+enum { PLANISH_LAYER_ROWS = 32 };
+
+/** Heights of a row of a layer beside those that are wanted. */
+typedef struct planish_layer_row {
+    int64_t n;                  /* edges across the layer that count; 0: all numbers are 0 */
+    double least, median, most; /* height / wanted height; below 0: the layer is inverted there */
+} planish_layer_row;
+
+/** Heights of layers. The wanted height of an edge across a layer is that in planish_mesh.reference. Where
+ *  a wall was moved there, it is the height by which the rows inside go on. Heights are at right angles
+ *  to the layer. */
+typedef struct planish_layer_heights {
+    planish_layer_row all;
+    planish_layer_row reference; /* of all in the reference: 1 but where a wall was moved */
+    int64_t n_told;              /* edges whose wanted heights the rows inside have told */
+    int n_rows; /* rows in use: they are counted from the thin end of each column, */
+    planish_layer_row row[PLANISH_LAYER_ROWS]; /* and the last one has all beyond it */
+    double reserved[2];
+} planish_layer_heights;
+
+/** Compare the heights of the layers that mesh->is_layer marks with those in mesh->reference (NULL: in
+ *  mesh->coordinates). off [n_nodes] (may be NULL) is filled with the largest |height / wanted - 1| of
+ *  the edges at each node, 0 where a wall was moved or there is no layer. threads: as in
+ *  planish_options. On failure heights and off are unspecified. Errors: _ARGUMENT, _MESH, _MEMORY, _PARTS
+ *  (mesh->part). */
+PLANISH_API int planish_measure_layers(const planish_mesh *mesh, int threads,
+                                       planish_layer_heights *heights, double *off,
+                                       planish_error *error);
 
 /* ---- Sizes ---------------------------------------------------------------------------------- */
 

@@ -5,6 +5,7 @@
 #include "base/status.h"
 #include "geometry/target.h"
 #include "quality/cell_measure.h"
+#include "shape/layer_heights.h"
 #include "shape/layer_shapes.h"
 #include "shape/size_field.h"
 #include "topology/cells.h"
@@ -188,15 +189,22 @@ static int complain(const wanted *w, int64_t cell, planish_error *error) {
                                    : "is flat");
 }
 
+/** Return the mesh at its reference, or without one at coordinates. */
+static planish_mesh as_before(const planish_mesh *mesh, const cells_call *c,
+                              const double *coordinates) {
+    const double *reference = c->reference ? c->reference : mesh->reference;
+    return (planish_mesh){.dim = mesh->dim,
+                          .n_nodes = mesh->n_nodes,
+                          .coordinates = reference ? reference : coordinates,
+                          .cells = &c->cells,
+                          .n_elements = c->cells.n};
+}
+
 /** Find the elements as they are to be. */
 static int find_wanted(const planish_mesh *mesh, cells_call *c, wanted *w, planish_error *error) {
     const double *reference = c->reference ? c->reference : mesh->reference;
     const double *coordinates = c->coordinates ? c->coordinates : mesh->coordinates;
-    const planish_mesh as_it_was = {.dim = mesh->dim,
-                                    .n_nodes = mesh->n_nodes,
-                                    .coordinates = reference ? reference : coordinates,
-                                    .cells = &c->cells,
-                                    .n_elements = c->cells.n};
+    const planish_mesh as_it_was = as_before(mesh, c, coordinates);
     if (mesh->metric) {
         const int status = find_metrics(mesh, coordinates, c, error);
         if (status)
@@ -251,6 +259,14 @@ static int measure(const planish_mesh *mesh, double rounding, cells_call *c,
                                         : PLANISH_OK;
 }
 
+/** Check what every call is given. */
+static int check_call(const planish_mesh *mesh, int threads, planish_error *error) {
+    if (mesh->part)
+        return pl_fail(error, PLANISH_ERROR_PARTS,
+                       "elements of any type are measured in the whole mesh, not in a part of it");
+    return pl_check_threads(threads, error);
+}
+
 int planish_measure_cells(const planish_mesh *mesh, double rounding, int threads,
                           planish_cell_quality *quality, const planish_cell_values *values,
                           planish_error *error) {
@@ -258,12 +274,9 @@ int planish_measure_cells(const planish_mesh *mesh, double rounding, int threads
     planish_mesh without_targets;
     if (!mesh || !quality)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "mesh and quality must not be NULL");
-    if (mesh->part)
-        return pl_fail(error, PLANISH_ERROR_PARTS,
-                       "elements of any type are measured in the whole mesh, not in a part of it");
     if (!(rounding >= 0))
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "rounding is %g; give 0 or more", rounding);
-    int status = pl_check_threads(threads, error);
+    int status = check_call(mesh, threads, error);
     if (!status && values)
         status = pl_check_reserved("planish_cell_values", values->reserved, sizeof values->reserved,
                                    error);
@@ -276,6 +289,29 @@ int planish_measure_cells(const planish_mesh *mesh, double rounding, int threads
         mesh = pl_drop_targets(mesh, &without_targets);
     if (!status)
         status = measure(mesh, rounding, &c, quality, values, error);
+    release(&c);
+    pl_call_leave(&outside);
+    return status;
+}
+
+int planish_measure_layers(const planish_mesh *mesh, int threads, planish_layer_heights *heights,
+                           double *off, planish_error *error) {
+    cells_call c = {.cells = {.n = 0}};
+    if (!mesh || !mesh->is_layer || !heights)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "mesh, mesh.is_layer and heights must not be NULL");
+    const int refused = check_call(mesh, threads, error);
+    if (refused)
+        return refused;
+    const pl_outside outside = pl_call_enter(NULL);
+    c.threads = pl_thread_count(threads);
+    int status = take_mesh(mesh, &c, error);
+    if (!status) {
+        const double *now = c.coordinates ? c.coordinates : mesh->coordinates;
+        const planish_mesh as_it_was = as_before(mesh, &c, now);
+        status =
+            pl_layer_heights_find(&as_it_was, mesh->is_layer, now, c.threads, heights, off, error);
+    }
     release(&c);
     pl_call_leave(&outside);
     return status;

@@ -179,7 +179,7 @@ static int check_together(const planish_mesh *mesh, const planish_options *optio
                        options->around    ? "options.around"
                        : mesh->n_periodic ? "mesh.periodic"
                                           : field);
-    if (pl_has_targets(mesh) && mesh->n_periodic > 0)
+    if (pl_has_targets(mesh) && !mesh->is_layer && mesh->n_periodic > 0)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "%s is not possible with mesh.periodic; leave out one of them", field);
     if (mesh->is_layer && (options->size_weight > 0 || pl_has_sizes(mesh)))

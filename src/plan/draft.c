@@ -340,6 +340,20 @@ static void hold_curved(pl_draft *d) {
     }
 }
 
+/** Give the copies of elements the targets of these. */
+static int copy_targets(planish_plan *plan, const pl_periodic *periodic, planish_error *error) {
+    if (!plan->work.target)
+        return PLANISH_OK;
+    pl_target *target = pl_alloc(periodic->n_elements, sizeof *target);
+    if (!target)
+        return pl_fail_memory(error, "the targets of the elements");
+    for (int64_t i = 0; i < periodic->n_elements; i++)
+        target[i] = plan->work.target[periodic->source[i]];
+    pl_free((void *)plan->work.target);
+    plan->work.target = target;
+    return PLANISH_OK;
+}
+
 /** Find the nodes that may slide, and the mesh that they are in: with copies where some of them
  * move together. */
 static int prepare_periodic(pl_draft *d, planish_mesh *around, planish_error *error) {
@@ -366,8 +380,10 @@ static int prepare_periodic(pl_draft *d, planish_mesh *around, planish_error *er
     *around = *mesh;
     if (mesh->n_periodic == 0)
         return PLANISH_OK;
-    const int status = pl_periodic_create(mesh, &d->incidence, plan->work.sign, plan->work.corner,
-                                          d->slides, periodic, error);
+    int status = pl_periodic_create(mesh, &d->incidence, plan->work.sign, plan->work.corner,
+                                    d->slides, periodic, error);
+    if (!status)
+        status = copy_targets(plan, periodic, error);
     if (status)
         return status;
     plan->n_images = periodic->n_nodes - plan->work.n_nodes;

@@ -7,8 +7,10 @@
 #include "base/status.h"
 #include "shape/size_field.h"
 #include "shape/layer_shapes.h"
+#include "topology/frame.h"
 #include "topology/topology.h"
 
+#include <float.h>
 #include <inttypes.h>
 #include <math.h>
 
@@ -128,9 +130,45 @@ int pl_targets_make(planish_plan *plan, pl_points reference, const int8_t *sign,
 typedef struct layer_pass {
     const planish_plan *plan;
     const planish_mesh *given;
+    const double *x; /* [n_nodes][dim] as they were, */
+    pl_frame frame;  /* in whose units layers have their sizes */
     pl_layer_shapes shapes;
     pl_target *target;
 } layer_pass;
+
+/** Sum of the squared edges of a corner, those between its neighbours, too. */
+static double squares_of(int dim, const double edges[3][3]) {
+    double sum = 0, between[3];
+    for (int j = 0; j < dim; j++) {
+        sum += pl_dot(dim, edges[j], edges[j]);
+        for (int k = 0; k < j; k++) {
+            pl_subtract(dim, edges[j], edges[k], between);
+            sum += pl_dot(dim, between, between);
+        }
+    }
+    return sum;
+}
+
+/** Give the target of a corner that is no layer's, an ideal one, the size that the corner has: layers have
+ *  theirs, and untangling wants the sizes of all targets in one unit. */
+static void give_size(const layer_pass *p, const pl_cell_shape *shape, int64_t element,
+                      pl_target *target) {
+    const int dim = p->plan->dim;
+    const int32_t *node = p->plan->work.elements + element * (dim + 1);
+    double ideal[3][3] = {{0}}, edges[3][3] = {{0}};
+    pl_ideal_edges(shape, ideal);
+    for (int j = 0; j < dim; j++)
+        for (int d = 0; d < dim; d++)
+            edges[j][d] = pl_frame_difference(&p->frame, p->x[(int64_t)node[j + 1] * dim + d],
+                                              p->x[(int64_t)node[0] * dim + d]);
+    const double square =
+        squares_of(dim, (const double(*)[3])edges) / squares_of(dim, (const double(*)[3])ideal);
+    const double measure = (dim == 3 ? sqrt(square) : 1) * square * target->measure;
+    if (!(measure > DBL_MIN && 1 / measure > DBL_MIN))
+        return;
+    target->measure = measure;
+    target->unit = 1 / measure;
+}
 
 static void make_layer_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const layer_pass *p = context;
@@ -140,6 +178,8 @@ static void make_layer_chunk(void *context, int64_t begin, int64_t end, int thre
         const pl_cell_shape *shape = pl_cell_type_of(p->given->cells->type[cell])->shape;
         pl_layer_shapes_target(&p->shapes, shape, cell, pl_corner_index(p->plan->work.corner[i]),
                                &p->target[i]);
+        if (p->shapes.place[cell] == -1)
+            give_size(p, shape, i, &p->target[i]);
     }
 }
 
@@ -167,9 +207,10 @@ int pl_layer_targets_make(planish_plan *plan, const planish_mesh *given, planish
         return pl_fail_memory(error, "the targets of the elements");
     if (own)
         pl_points_gather(&points, plan->threads, own);
-    mesh.coordinates = own ? own : points.x;
-    const int status =
-        pl_layer_shapes_find(&mesh, given->is_layer, plan->threads, &p.shapes, error);
+    mesh.coordinates = p.x = own ? own : points.x;
+    int status = pl_frame_create(&mesh, NULL, plan->threads, &p.frame, error);
+    if (!status)
+        status = pl_layer_shapes_find(&mesh, given->is_layer, plan->threads, &p.shapes, error);
     if (!status)
         pl_parallel_for(plan->threads, plan->work.n_elements, CHUNK, make_layer_chunk, &p);
     pl_layer_shapes_free(&p.shapes);

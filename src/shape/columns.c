@@ -4,13 +4,14 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "shape/shape.h"
+#include "topology/cells.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* An element that is not marked belongs to a layer that it lies on if it is flat, by PL_THIN: a wall
- * that was moved leaves such elements. So many rows of them are taken in. */
+/* An element that is not marked belongs to a layer that it lies on if it is flat, by PL_THIN, or
+ * inverted: a wall that was moved leaves such elements. So many rows of them are taken in. */
 enum { ROWS_TAKEN = 3 };
 /* A simplex tells the levels of columns if its other nodes are within this part of a height of one of
  * the ends of its upright. */
@@ -74,21 +75,55 @@ static int find_uprights(const pl_columns *c, int64_t i, pl_layer_cell *cell) {
                                    : find_factor(c, shape, node, cell);
 }
 
+/** Whether a product lies with a facet on nodes of layers from which the edges of a factor rise. */
+static int stands_on(const pl_cell_shape *shape, const int32_t *node, int factor,
+                     const uint8_t *in_layer) {
+    int is_on[2] = {1, 1};
+    for (int k = 0; k < shape->n_corners; k++)
+        if (!in_layer[node[k]])
+            is_on[shape->vertex[k][factor]] = 0;
+    return is_on[0] || is_on[1];
+}
+
 /** Whether an element lies with a facet along the layer on nodes of layers: of a simplex all but one
  *  end of its upright. */
 static int lies_on(const pl_columns *c, const pl_layer_cell *cell, const uint8_t *in_layer) {
     const pl_cell_shape *shape = counted_type(c->mesh, cell->cell)->shape;
     const int32_t *node = c->mesh->cells->node + c->mesh->cells->offset[cell->cell];
-    int is_on[2] = {1, 1}, n = 0;
-    for (int k = 0; k < shape->n_corners; k++) {
-        const int is_in = in_layer[node[k]];
-        n += is_in;
-        if (shape->n_simplices > 1 && !is_in)
-            is_on[shape->vertex[k][cell->factor]] = 0;
-    }
+    int n = 0;
     if (shape->n_simplices > 1)
-        return is_on[0] || is_on[1];
+        return stands_on(shape, node, cell->factor, in_layer);
+    for (int k = 0; k < shape->n_corners; k++)
+        n += in_layer[node[k]];
     return n >= shape->dim && (in_layer[node[cell->end[0]]] || in_layer[node[cell->end[1]]]);
+}
+
+/** Whether a corner of a product is inverted, or flat. */
+static int is_inverted(const pl_columns *c, int64_t i, const pl_cell_shape *shape,
+                       const int32_t *node) {
+    int found = 0;
+    for (int k = 0; k < shape->n_measured && !found; k++) {
+        double edges[3][3] = {{0}};
+        for (int j = 0; j < shape->dim; j++)
+            pl_columns_edge(c, node[k], node[shape->neighbour[k][j]], edges[j]);
+        found = !(c->sign[i] * pl_determinant_of_edges(shape->dim, (const double(*)[3])edges) > 0);
+    }
+    return found;
+}
+
+/** Find how a product that is inverted goes on from a layer: by the facet that it shares with the layer,
+ *  as its uprights may be longer than its other edges. Return the number of the factor and 1; 0: it does
+ *  not, or by several factors. */
+static int rising_factor(const pl_columns *c, int64_t i, const uint8_t *in_layer) {
+    const pl_cell_shape *shape = counted_type(c->mesh, i)->shape;
+    const int32_t *node = c->mesh->cells->node + c->mesh->cells->offset[i];
+    int found = 0, n = 0;
+    for (int f = 0; f < shape->n_simplices && shape->n_simplices > 1; f++)
+        if (shape->n_vertices[f] == 2 && stands_on(shape, node, f, in_layer)) {
+            found = f + 1;
+            n++;
+        }
+    return n == 1 && is_inverted(c, i, shape, node) ? found : 0;
 }
 
 static void mark_nodes(const planish_mesh *mesh, int64_t cell, uint8_t *mark) {
@@ -97,8 +132,9 @@ static void mark_nodes(const planish_mesh *mesh, int64_t cell, uint8_t *mark) {
         mark[node[k]] = 1;
 }
 
-/** Take in the flat elements that lie on layers. in_layer [n_nodes], is_in [cells]. */
-static void take_in(const pl_columns *c, uint8_t *in_layer, uint8_t *is_in) {
+/** Take in the flat and inverted elements that lie on layers. in_layer [n_nodes]; is_in, factor [cells]:
+ *  factor gets the number of the factor and 1 where that is found by the layer. */
+static void take_in(const pl_columns *c, uint8_t *in_layer, uint8_t *is_in, uint8_t *factor) {
     enum { IN = 1, NEXT = 2 };
     const planish_mesh *mesh = c->mesh;
     int64_t n = 1;
@@ -106,8 +142,11 @@ static void take_in(const pl_columns *c, uint8_t *in_layer, uint8_t *is_in) {
         n = 0;
         for (int64_t i = 0; i < mesh->cells->n; i++) {
             pl_layer_cell cell;
-            if (!is_in[i] && counted_type(mesh, i) && find_uprights(c, i, &cell) &&
-                lies_on(c, &cell, in_layer)) {
+            if (is_in[i] || !counted_type(mesh, i))
+                continue;
+            const int is_flat = find_uprights(c, i, &cell) && lies_on(c, &cell, in_layer);
+            factor[i] = (uint8_t)(is_flat ? 0 : rising_factor(c, i, in_layer));
+            if (is_flat || factor[i]) {
                 is_in[i] = NEXT;
                 n++;
             }
@@ -125,23 +164,30 @@ static int list_cells(pl_columns *c, const uint8_t *is_layer, planish_error *err
     const planish_mesh *mesh = c->mesh;
     uint8_t *in_layer = pl_alloc_zero(mesh->n_nodes, 1);
     uint8_t *is_in = pl_alloc_zero(mesh->cells->n, 1);
-    const int is_there = in_layer && is_in;
+    uint8_t *factor = pl_alloc_zero(mesh->cells->n, 1);
+    const int is_there = in_layer && is_in && factor;
     for (int64_t i = 0; is_there && i < mesh->cells->n; i++)
         if (is_layer[i] && counted_type(mesh, i)) {
             is_in[i] = 1;
             mark_nodes(mesh, i, in_layer);
         }
     if (is_there)
-        take_in(c, in_layer, is_in);
+        take_in(c, in_layer, is_in, factor);
     for (int64_t i = 0; is_there && i < mesh->cells->n; i++)
         c->n_cells += is_in[i];
     c->cell = is_there ? pl_alloc(c->n_cells, sizeof *c->cell) : NULL;
     int64_t n = 0;
-    for (int64_t i = 0; c->cell && i < mesh->cells->n; i++)
-        if (is_in[i])
-            find_uprights(c, i, &c->cell[n++]);
+    for (int64_t i = 0; c->cell && i < mesh->cells->n; i++) {
+        if (!is_in[i])
+            continue;
+        find_uprights(c, i, &c->cell[n]);
+        if (factor[i])
+            c->cell[n].factor = (uint8_t)(factor[i] - 1);
+        n++;
+    }
     pl_free(in_layer);
     pl_free(is_in);
+    pl_free(factor);
     return c->cell ? PLANISH_OK : pl_fail_memory(error, "the elements of layers");
 }
 
@@ -502,6 +548,11 @@ int pl_columns_find(const planish_mesh *mesh, const uint8_t *is_layer, int threa
                     planish_error *error) {
     *c = (pl_columns){.mesh = mesh};
     int status = pl_frame_create(mesh, NULL, threads, &c->frame, error);
+    c->sign = status ? NULL : pl_alloc(mesh->cells->n, sizeof *c->sign);
+    if (!status)
+        status = c->sign ? pl_orient_cells(mesh->cells, mesh->dim, mesh->n_nodes, mesh->coordinates,
+                                           threads, c->sign, error)
+                         : pl_fail_memory(error, "the columns of layers");
     if (!status)
         status = list_cells(c, is_layer, error);
     if (!status)
@@ -514,6 +565,7 @@ int pl_columns_find(const planish_mesh *mesh, const uint8_t *is_layer, int threa
 }
 
 void pl_columns_destroy(pl_columns *c) {
+    pl_free(c->sign);
     pl_free(c->cell);
     pl_free(c->end);
     pl_free(c->begin);
@@ -523,4 +575,5 @@ void pl_columns_destroy(pl_columns *c) {
     pl_free(c->place);
     pl_free(c->height);
     pl_free(c->leans);
+    pl_free(c->is_told);
 }

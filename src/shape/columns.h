@@ -29,6 +29,7 @@ typedef struct pl_layer_cell {
 typedef struct pl_columns {
     const planish_mesh *mesh; /* cells, dense coordinates */
     pl_frame frame;
+    int8_t *sign; /* [cells] as of pl_orient_cells */
     int64_t n_cells;
     pl_layer_cell *cell; /* [n_cells] ascending */
     int64_t n_uprights;
@@ -41,10 +42,12 @@ typedef struct pl_columns {
     int32_t *place;    /* [n_uprights] and its place in upright */
     double *height;    /* [n_uprights] how long it is to be */
     uint8_t *leans;    /* [n_uprights] 1: it leans over its layer for good, as the wall turns */
+    uint8_t
+        *is_told; /* [n_uprights] 1: it has not the height that it is to have: a wall was moved */
 } pl_columns;
 
-/** Find the columns of the marked elements of mesh, and of flat ones that go on from them. Errors:
- *  _MEMORY, _MESH. */
+/** Find the columns of the marked elements of mesh, and of flat or inverted ones that go on from them.
+ *  Errors: _MEMORY, _MESH. */
 int pl_columns_find(const planish_mesh *mesh, const uint8_t *is_layer, int threads, pl_columns *c,
                     planish_error *error);
 

@@ -9,7 +9,6 @@
 
 #include "base/memory.h"
 #include "base/status.h"
-#include "topology/cells.h"
 
 #include <math.h>
 
@@ -26,6 +25,7 @@ static const double OUTLIER = 1.5;
 static const double LEANS = 0.3, ONE_WAY = 0.4;
 enum { ROUNDS = 2 };          /* of averages along the rows */
 enum { MOST_LOOKED_AT = 24 }; /* uprights beside one */
+enum { STEADY_ROWS = 4 };     /* that are needed to call their growth steady */
 
 /** Heights being found. */
 typedef struct search {
@@ -38,8 +38,9 @@ typedef struct search {
     int32_t *queue;  /* [n_uprights] */
 } search;
 
-/* What is known of an upright: it is off the growth; it points elsewhere; it gets another height. */
-enum { IS_OFF = 1, IS_TURNED = 2, IS_WILD = 4 };
+/* What is known of an upright: it is off the growth; it points elsewhere; it gets another height; it is off
+ * by far, though the rows are too few to call their growth steady. */
+enum { IS_OFF = 1, IS_TURNED = 2, IS_WILD = 4, IS_FAR = 8 };
 
 /* ---- columns ---------------------------------------------------------------------------------- */
 
@@ -51,11 +52,11 @@ static double ratio_of(double a, double b) {
 enum { OF_HEIGHTS, OF_CORNERS, OF_COSINES, N_SUMS };
 
 /** Return the sum of the cosines between an upright and edges along the layer. */
-static double cosines_of(const search *s, int64_t upright, const double along[2][3]) {
-    const int32_t *end = s->c->end + 2 * upright;
+static double cosines_of(const pl_columns *c, int64_t upright, const double along[2][3]) {
+    const int32_t *end = c->end + 2 * upright;
     double edge[3], sum = 0;
-    pl_columns_edge(s->c, end[0], end[1], edge);
-    for (int j = 0; j < s->c->mesh->dim - 1; j++) {
+    pl_columns_edge(c, end[0], end[1], edge);
+    for (int j = 0; j < c->mesh->dim - 1; j++) {
         const double square = pl_dot(3, edge, edge) * pl_dot(3, along[j], along[j]);
         sum += square > 0 ? pl_dot(3, edge, along[j]) / sqrt(square) : 0;
     }
@@ -64,23 +65,24 @@ static double cosines_of(const search *s, int64_t upright, const double along[2]
 
 /** Add the heights of an element at its uprights: determinants of corners by what their edges along the
  *  layer span. sum [n_uprights][N_SUMS]. */
-static void add_heights(const search *s, const pl_layer_cell *cell, double sign, double *sum) {
-    const planish_mesh *mesh = s->c->mesh;
+static void add_heights(const pl_columns *c, const pl_layer_cell *cell, double *sum) {
+    const planish_mesh *mesh = c->mesh;
     const pl_cell_shape *shape = pl_cell_type_of(mesh->cells->type[cell->cell])->shape;
     const int32_t *node = mesh->cells->node + mesh->cells->offset[cell->cell];
     const int n_corners = pl_layer_corners(shape, cell);
     for (int k = 0; k < n_corners; k++) {
         double edges[3][3] = {{0}}, along[2][3], normal[3];
-        const int32_t upright = cell->upright[pl_columns_corner(s->c, cell, k, along)];
+        const int32_t upright = cell->upright[pl_columns_corner(c, cell, k, along)];
         double *of = sum + N_SUMS * (int64_t)upright;
-        of[OF_COSINES] += cosines_of(s, upright, (const double(*)[3])along);
+        of[OF_COSINES] += cosines_of(c, upright, (const double(*)[3])along);
         for (int j = 0; j < shape->dim; j++)
-            pl_columns_edge(s->c, node[k], node[shape->neighbour[k][j]], edges[j]);
+            pl_columns_edge(c, node[k], node[shape->neighbour[k][j]], edges[j]);
         if (shape->dim == 2)
             along[1][2] = 1; /* so that the base is the length */
         pl_cross(along[0], along[1], normal);
         const double base = sqrt(pl_dot(3, normal, normal));
-        const double D = sign * pl_determinant_of_edges(shape->dim, (const double(*)[3])edges);
+        const double D =
+            c->sign[cell->cell] * pl_determinant_of_edges(shape->dim, (const double(*)[3])edges);
         if (base > 0) {
             of[OF_HEIGHTS] += D / base;
             of[OF_CORNERS] += 1;
@@ -88,19 +90,30 @@ static void add_heights(const search *s, const pl_layer_cell *cell, double sign,
     }
 }
 
+/** Sum up what the elements tell of the uprights: [n_uprights][N_SUMS], owned; NULL: no memory. */
+static double *sum_heights(const pl_columns *c) {
+    double *sum = pl_alloc_zero(N_SUMS * c->n_uprights, sizeof *sum);
+    for (int64_t i = 0; sum && i < c->n_cells; i++)
+        add_heights(c, &c->cell[i], sum);
+    return sum;
+}
+
+int pl_columns_measure_heights(const pl_columns *c, double *height, planish_error *error) {
+    double *sum = sum_heights(c);
+    for (int64_t u = 0; sum && u < c->n_uprights; u++)
+        height[u] = sum[N_SUMS * u + OF_HEIGHTS] / sum[N_SUMS * u + OF_CORNERS];
+    pl_free(sum);
+    return sum ? PLANISH_OK : pl_fail_memory(error, "the heights of layers");
+}
+
 /** Find how high the uprights are across the layer, and which of these point the other way. Those of
  *  simplices whose levels are not known are as high as long. */
-static int find_lengths(const search *s, int threads, planish_error *error) {
+static int find_lengths(const search *s, planish_error *error) {
     const pl_columns *c = s->c;
-    const planish_mesh *mesh = c->mesh;
-    double *sum = pl_alloc_zero(N_SUMS * c->n_uprights, sizeof *sum);
-    int8_t *sign = pl_alloc(mesh->cells->n, sizeof *sign);
-    int status = sum && sign ? pl_orient_cells(mesh->cells, mesh->dim, mesh->n_nodes,
-                                               mesh->coordinates, threads, sign, error)
-                             : pl_fail_memory(error, "the heights of layers");
-    for (int64_t i = 0; !status && i < c->n_cells; i++)
-        add_heights(s, &c->cell[i], sign[c->cell[i].cell], sum);
-    for (int64_t u = 0; !status && u < c->n_uprights; u++) {
+    double *sum = sum_heights(c);
+    if (!sum)
+        return pl_fail_memory(error, "the heights of layers");
+    for (int64_t u = 0; u < c->n_uprights; u++) {
         const double *of = sum + N_SUMS * u;
         const double n = of[OF_CORNERS];
         double edge[3];
@@ -109,20 +122,46 @@ static int find_lengths(const search *s, int threads, planish_error *error) {
         s->length[u] = n > 0 ? fabs(of[OF_HEIGHTS]) / n : length;
         s->is_off[u] = n > 0 && !(of[OF_HEIGHTS] > 0) ? IS_TURNED : 0;
         c->leans[u] = s->is_off[u] != IS_TURNED && s->length[u] < LEANS * length &&
-                      fabs(of[OF_COSINES]) >= ONE_WAY * n * (mesh->dim - 1);
+                      fabs(of[OF_COSINES]) >= ONE_WAY * n * (c->mesh->dim - 1);
     }
     pl_free(sum);
-    pl_free(sign);
-    return status;
+    return PLANISH_OK;
 }
 
-/** Place of the longest upright of a column: heights are known best there. */
+/** Whether uprights from a place on grow steadily, and none of them is known to be wrong. */
+static int are_steady(const search *s, int64_t place) {
+    const pl_columns *c = s->c;
+    double least = INFINITY, most = 0;
+    for (int n = 0; n < STEADY_ROWS; n++) {
+        const int32_t u = c->upright[place + n];
+        if ((s->is_off[u] & (IS_TURNED | IS_WILD)) || !(s->length[u] > 0))
+            return 0;
+        const double growth = n > 0 ? s->length[u] / s->length[c->upright[place + n - 1]] : 1;
+        least = n > 0 ? fmin(least, growth) : least;
+        most = n > 0 ? fmax(most, growth) : most;
+    }
+    return most <= STEADY * least;
+}
+
+/** Place in a column that heights are known best at: the longest upright of those that grow steadily, or
+ *  else of those that are not known to be wrong, or else of all. An upright that a wall has stretched, or
+ *  turned by much, is long, too. */
 static int64_t anchor_of(const search *s, int32_t column) {
     const pl_columns *c = s->c;
+    const int64_t end = c->begin[column + 1];
     int64_t best = c->begin[column];
-    for (int64_t i = c->begin[column]; i < c->begin[column + 1]; i++)
-        if (s->length[c->upright[i]] > s->length[c->upright[best]])
+    int best_rank = -1;
+    int64_t steady_until = 0;
+    for (int64_t i = c->begin[column]; i < end; i++) {
+        if (i + STEADY_ROWS <= end && are_steady(s, i))
+            steady_until = i + STEADY_ROWS;
+        const int32_t u = c->upright[i];
+        const int rank = i < steady_until ? 2 : !(s->is_off[u] & (IS_TURNED | IS_WILD));
+        if (rank > best_rank || (rank == best_rank && s->length[u] > s->length[c->upright[best]])) {
             best = i;
+            best_rank = rank;
+        }
+    }
     return best;
 }
 
@@ -144,12 +183,12 @@ static double go_on(const pl_columns *c, int64_t place, int step, int64_t n_know
 /** Whether the rows inside of a place grow steadily. */
 static int is_steady(const pl_columns *c, int64_t place, int step, int64_t n_known) {
     double least = INFINITY, most = 0;
-    for (int n = 1; n_known > 3 && n < 4; n++) {
+    for (int n = 1; n_known >= STEADY_ROWS && n < STEADY_ROWS; n++) {
         const double growth = height_at(c, place, step, n + 1) / height_at(c, place, step, n);
         least = fmin(least, growth);
         most = fmax(most, growth);
     }
-    return n_known > 3 && most <= STEADY * least;
+    return n_known >= STEADY_ROWS && most <= STEADY * least;
 }
 
 /** Find the heights of a column from the anchor to an end: lengths, but of those that are turned or wild
@@ -163,6 +202,8 @@ static void find_heights(const search *s, int32_t column, int64_t anchor, int st
         s->off[u] = is_steady(c, i, step, n_known) ? s->length[u] / told : 0;
         if (s->off[u] > 0 && ratio_of(s->off[u], 1) > OFF)
             s->is_off[u] |= IS_OFF;
+        if (n_known > 1 && !(ratio_of(s->length[u], told) <= OUTLIER))
+            s->is_off[u] |= IS_FAR;
         c->height[u] = (s->is_off[u] & (IS_TURNED | IS_WILD)) ? told : s->length[u];
         n_known++;
     }
@@ -222,6 +263,11 @@ static int is_wild(const search *s, int64_t u) {
     return (s->is_off[u] & IS_TURNED) != 0;
 }
 
+/** Whether an upright beside a wild one is wild, too. */
+static int is_caught(const search *s, int32_t u) {
+    return !(s->is_off[u] & IS_WILD) && (s->is_off[u] & (IS_OFF | IS_FAR));
+}
+
 /** Find wild uprights, and those of their rows that are off the growth, too. */
 static void spread_wild(const search *s) {
     int64_t n = 0;
@@ -233,7 +279,7 @@ static void spread_wild(const search *s) {
     for (int64_t k = 0; k < n; k++) {
         int32_t found[MOST_LOOKED_AT];
         for (int j = beside(s, s->queue[k], found); j-- > 1;)
-            if ((s->is_off[found[j]] & (IS_OFF | IS_WILD)) == IS_OFF) {
+            if (is_caught(s, found[j])) {
                 s->is_off[found[j]] |= IS_WILD;
                 s->queue[n++] = found[j];
             }
@@ -296,30 +342,37 @@ int pl_columns_average(const pl_columns *c, int rounds, double *value, double *o
 
 /* ---- all of it -------------------------------------------------------------------------------- */
 
-static int find_all(search *s, int threads, planish_error *error) {
+/** Find heights as the input and the growth tell, and which are told by the growth. */
+static int find_told(search *s, planish_error *error) {
     pl_columns *c = s->c;
-    double *of_cell = pl_alloc(c->n_cells, sizeof *of_cell);
-    if (!of_cell)
-        return pl_fail_memory(error, "the heights of layers");
     list_cells(s);
-    int status = find_lengths(s, threads, error);
-    if (status) {
-        pl_free(of_cell);
+    const int status = find_lengths(s, error);
+    if (status)
         return status;
-    }
     find_columns(s);
     spread_wild(s);
     find_columns(s);
     for (int64_t u = 0; u < c->n_uprights; u++)
+        c->is_told[u] = (s->is_off[u] & (IS_TURNED | IS_WILD)) != 0;
+    return PLANISH_OK;
+}
+
+/** Smooth heights along the rows. */
+static int smooth_all(search *s, planish_error *error) {
+    pl_columns *c = s->c;
+    double *of_cell = pl_alloc(c->n_cells, sizeof *of_cell);
+    if (!of_cell)
+        return pl_fail_memory(error, "the heights of layers");
+    for (int64_t u = 0; u < c->n_uprights; u++)
         s->length[u] = robust_height(s, u);
     for (int64_t u = 0; u < c->n_uprights; u++)
         c->height[u] = s->length[u];
-    status = pl_columns_average(c, ROUNDS, c->height, of_cell, error);
+    const int status = pl_columns_average(c, ROUNDS, c->height, of_cell, error);
     pl_free(of_cell);
     return status;
 }
 
-int pl_columns_smooth_heights(pl_columns *c, int threads, planish_error *error) {
+int pl_columns_find_heights(pl_columns *c, int is_smooth, planish_error *error) {
     const int64_t n = c->n_uprights;
     int64_t n_at = 0;
     for (int64_t i = 0; i < c->n_cells; i++)
@@ -327,16 +380,18 @@ int pl_columns_smooth_heights(pl_columns *c, int threads, planish_error *error) 
     search s = {.c = c};
     c->height = pl_alloc_zero(n, sizeof *c->height);
     c->leans = pl_alloc_zero(n, sizeof *c->leans);
+    c->is_told = pl_alloc_zero(n, sizeof *c->is_told);
     s.length = pl_alloc(n, sizeof *s.length);
     s.off = pl_alloc_zero(n, sizeof *s.off);
     s.is_off = pl_alloc_zero(n, sizeof *s.is_off);
     s.first = pl_alloc_zero(n + 2, sizeof *s.first);
     s.cell = pl_alloc(n_at, sizeof *s.cell);
     s.queue = pl_alloc(n, sizeof *s.queue);
-    const int is_there =
-        c->height && c->leans && s.length && s.off && s.is_off && s.first && s.cell && s.queue;
-    const int status =
-        is_there ? find_all(&s, threads, error) : pl_fail_memory(error, "the heights of layers");
+    const int is_there = c->height && c->leans && c->is_told && s.length && s.off && s.is_off &&
+                         s.first && s.cell && s.queue;
+    int status = is_there ? find_told(&s, error) : pl_fail_memory(error, "the heights of layers");
+    if (!status && is_smooth)
+        status = smooth_all(&s, error);
     pl_free(s.length);
     pl_free(s.off);
     pl_free(s.is_off);

@@ -219,7 +219,7 @@ int pl_layer_shapes_find(const planish_mesh *mesh, const uint8_t *is_layer, int 
     memset(shapes->place, -1, (size_t)mesh->cells->n * sizeof *shapes->place);
     int status = pl_columns_find(mesh, is_layer, threads, &s.columns, error);
     if (!status)
-        status = pl_columns_smooth_heights(&s.columns, threads, error);
+        status = pl_columns_find_heights(&s.columns, 1, error);
     if (!status)
         status = make_shapes(&s, shapes, error);
     pl_columns_destroy(&s.columns);

@@ -27,7 +27,21 @@ static int is_original(const test_world *w, const double *x) {
     return memcmp(x, w->mesh.coordinates, (size_t)w->n_doubles * sizeof *x) == 0;
 }
 
-/** planish_find_slides and planish_find_layers. */
+/** planish_measure_layers, as if all elements were in layers. */
+static void measure_heights(const test_world *w, uint8_t *layer, faults *f) {
+    planish_mesh mesh = w->mesh;
+    planish_layer_heights heights;
+    planish_error error;
+    int status;
+    memset(layer, 1, (size_t)mesh.n_elements);
+    mesh.is_layer = layer;
+    do
+        status = planish_measure_layers(&mesh, w->options.threads, &heights, NULL, &error);
+    while (faults_refused(f, status, &error));
+    faults_add(f, &heights.all, sizeof heights.all);
+}
+
+/** planish_find_slides, planish_find_layers and planish_measure_layers. */
 static void look_at_shape(const test_world *w, faults *f) {
     const int64_t n = w->mesh.n_nodes, dim = w->mesh.dim;
     const size_t bytes = (size_t)(n * dim) * sizeof(double);
@@ -55,6 +69,7 @@ static void look_at_shape(const test_world *w, faults *f) {
     } while (faults_refused(f, status, &error));
     faults_add(f, layer, (size_t)w->mesh.n_elements);
     faults_add(f, &n_layer, sizeof n_layer);
+    measure_heights(w, layer, f);
     free(constraint);
     free(direction);
     free(layer);

@@ -95,6 +95,15 @@ static int is_outside(const layers *l, int64_t i) {
     return 0;
 }
 
+/** Whether node i is on a side of the box. */
+static int is_beside(const layers *l, int64_t i) {
+    const double *p = l->box->x + i * l->mesh.dim;
+    int found = 0;
+    for (int d = 0; d < l->mesh.dim - 1; d++)
+        found |= p[d] < 1e-9 || p[d] > N - 1e-9;
+    return found;
+}
+
 /** Push the nodes inside along the layer by up to amount; those of a column together, or each one. */
 static void push_along(layers *l, double amount, int together) {
     const int dim = l->mesh.dim;
@@ -197,25 +206,65 @@ static void layers_on_stretched_walls_keep_their_heights(void **state) {
     }
 }
 
+/** Let the elements count as layers whose lowest node is above one height and below another one. */
+static void mark_between(layers *l, double low, double high) {
+    for (int64_t i = 0; l->mesh.cells && i < l->mesh.n_elements; i++) {
+        double lowest = INFINITY;
+        for (int64_t j = l->box->offset[i]; j < l->box->offset[i + 1]; j++)
+            lowest = fmin(lowest, l->box->x[(int64_t)(l->box->node[j] + 1) * l->mesh.dim - 1]);
+        l->is_layer[i] = lowest > low && lowest < high;
+    }
+}
+
 /* First heights are what they were after a wall was moved through rows, or into the first one. Elements
- * that are not valid then are found by themselves. */
+ * that are not valid then are found by themselves, also where uprights across the wall's way are longer
+ * than those of all rows, or than other edges. */
 static void moved_walls_get_their_spacing_back(void **state) {
     (void)state;
-    static const double depths[] = {0.6, 1.4, 3};
+    static const double depths[] = {0.6, 1.4, 3, 9, 13, -9};
     for (int k = 0; k < N_KINDS; k++)
-        for (int depth = 0; depth < 3; depth++) {
+        for (int depth = 0; depth < (kinds[k] >= TRIANGLES ? 3 : 6); depth++) {
             layers l = make_layers(kinds[k]);
             const planish_options options = test_options(1);
             move_wall(&l, depths[depth]);
-            for (int64_t i = 0; l.mesh.cells && i < l.mesh.n_elements; i++) {
-                double lowest = INFINITY;
-                for (int64_t j = l.box->offset[i]; j < l.box->offset[i + 1]; j++)
-                    lowest = fmin(lowest, l.box->x[(int64_t)(l.box->node[j] + 1) * l.mesh.dim - 1]);
-                l.is_layer[i] = lowest > 1e-9;
-            }
+            mark_between(&l, depths[depth] < 0 ? -INFINITY : 1e-9, INFINITY);
             test_smooth_in_place(&l.mesh, l.x, &options);
             assert_int_equal(n_inverted(&l), 0);
-            assert_true(worst_height(&l, 1) < 0.1);
+            /* Far moves leave less room for all rows. */
+            assert_true(worst_height(&l, 1) < (fabs(depths[depth]) < 4 ? 0.1 : 0.25));
+            forget(&l);
+        }
+}
+
+/* Elements that are in no layer are regular, and no larger than they are: untangling wants the sizes of all
+ * elements, whatever the unit of the coordinates. Without that it makes layers collapse, or grow. */
+static void layers_under_other_elements_are_untangled(void **state) {
+    (void)state;
+    enum { ROWS = 4 };
+    const double top = FIRST * (pow(GROWTH, ROWS) - 1) / (GROWTH - 1);
+    for (int k = 0; k < N_KINDS && kinds[k] < TRIANGLES; k++)
+        for (int run = 0; run < 2; run++) {
+            layers l = make_layers(kinds[k]);
+            const planish_options options = test_options(1);
+            const int dim = l.mesh.dim;
+            for (int64_t i = 0; i < l.mesh.n_nodes; i++) { /* higher ones above */
+                double *z = &l.box->x[i * dim + dim - 1];
+                *z = *z > top + 1e-9 ? top + 4 * (*z - top) : *z;
+                l.x[i * dim + dim - 1] = *z;
+            }
+            mark_between(&l, -1, top - 1e-9);
+            for (int64_t i = 0; i < l.mesh.n_nodes; i++) /* the whole wall, by half of the layer */
+                if (l.box->x[i * dim + dim - 1] < 1e-9 && !is_beside(&l, i))
+                    l.x[i * dim + dim - 1] += top / 2;
+            const double unit = run ? 1e-3 : 1e3;
+            for (int64_t i = 0; i < l.mesh.n_nodes * dim; i++)
+                l.x[i] *= unit;
+            const planish_result result = test_smooth_in_place(&l.mesh, l.x, &options);
+            for (int64_t i = 0; i < l.mesh.n_nodes * dim; i++)
+                l.x[i] /= unit;
+            assert_int_equal(n_inverted(&l), 0);
+            assert_true(result.untangling_sweeps < 40);
+            assert_true(worst_height(&l, 1) < 0.5);
             forget(&l);
         }
 }
@@ -281,6 +330,91 @@ static void bits_are_the_same(void **state) {
     }
 }
 
+/** Measure the heights of l->x against those at before. */
+static planish_layer_heights heights_of(const layers *l, const double *before) {
+    planish_mesh mesh = l->mesh;
+    planish_layer_heights heights;
+    planish_error error;
+    mesh.reference = before;
+    assert_int_equal(planish_measure_layers(&mesh, 2, &heights, NULL, &error), 0);
+    return heights;
+}
+
+static void expect_row(const planish_layer_row *row, int64_t n, double least, double median,
+                       double most) {
+    assert_int_equal(row->n, n);
+    assert_true(fabs(row->least - least) < 1e-9);
+    assert_true(fabs(row->median - median) < 1e-9);
+    assert_true(fabs(row->most - most) < 1e-9);
+}
+
+/* Rows are stretched by 1 %, 2 %, ... */
+static void heights_are_measured_by_rows(void **state) {
+    (void)state;
+    for (int k = 0; k < N_KINDS; k++) {
+        layers l = make_layers(kinds[k]);
+        const int dim = l.mesh.dim;
+        const int64_t in_row = dim == 3 ? (N + 1) * (N + 1) : N + 1;
+        for (int64_t i = 0; i < l.mesh.n_nodes; i++) {
+            double z = 0;
+            for (int row = 0; row < N; row++)
+                if (l.box->x[i * dim + dim - 1] >
+                    FIRST * (pow(GROWTH, row) - 1) / (GROWTH - 1) + 1e-9)
+                    z += FIRST * pow(GROWTH, row) * (1 + 0.01 * (row + 1));
+            l.x[i * dim + dim - 1] = z;
+        }
+        planish_layer_heights heights = heights_of(&l, l.box->x);
+        assert_int_equal(heights.n_rows, N);
+        assert_int_equal(heights.n_told, 0);
+        expect_row(&heights.reference, N * in_row, 1, 1, 1);
+        expect_row(&heights.all, N * in_row, 1.01, 1.055, 1.01 + 0.01 * (N - 1));
+        for (int row = 0; row < N; row++)
+            expect_row(&heights.row[row], in_row, 1.01 + 0.01 * row, 1.01 + 0.01 * row,
+                       1.01 + 0.01 * row);
+        heights = heights_of(&l, NULL); /* against itself */
+        expect_row(&heights.all, N * in_row, 1, 1, 1);
+        forget(&l);
+    }
+}
+
+/* A wall that was moved in, or away: the heights that are wanted are told by the rows inside. */
+static void heights_are_measured_under_moved_walls(void **state) {
+    (void)state;
+    for (int k = 0; k < N_KINDS; k++)
+        for (int away = 0; away < 2; away++) {
+            layers l = make_layers(kinds[k]);
+            move_wall(&l, away ? -3 : 3);
+            double *moved = allocate(l.mesh.n_nodes * l.mesh.dim, sizeof *moved);
+            memcpy(moved, l.x, (size_t)(l.mesh.n_nodes * l.mesh.dim) * sizeof *moved);
+            memcpy(l.x, l.box->x, (size_t)(l.mesh.n_nodes * l.mesh.dim) * sizeof *moved);
+            const planish_layer_heights heights = heights_of(&l, moved);
+            assert_true(heights.n_told > N / 2);
+            assert_true(away ? heights.reference.most > 3 : heights.reference.least < -1);
+            assert_true(fabs(heights.all.least - 1) < 0.02 && fabs(heights.all.most - 1) < 0.02);
+            free(moved);
+            forget(&l);
+        }
+}
+
+static void heights_need_marks(void **state) {
+    (void)state;
+    layers l = make_layers(BOX_QUADRILATERALS);
+    planish_layer_heights heights;
+    planish_error error;
+    assert_int_equal(
+        planish_measure_layers(&l.mesh, PLANISH_LAYER_ROWS * 1000, &heights, NULL, &error),
+        PLANISH_ERROR_ARGUMENT);
+    memset(l.is_layer, 0, (size_t)l.mesh.n_elements);
+    assert_int_equal(planish_measure_layers(&l.mesh, 1, &heights, NULL, &error), 0);
+    assert_int_equal(heights.all.n, 0);
+    assert_int_equal(heights.n_rows, 0);
+    l.mesh.is_layer = NULL;
+    assert_int_equal(planish_measure_layers(&l.mesh, 1, &heights, NULL, &error),
+                     PLANISH_ERROR_ARGUMENT);
+    assert_non_null(strstr(error.text, "is_layer"));
+    forget(&l);
+}
+
 /* Without a mark there is no target, whatever the reference. */
 static void no_layers_are_no_targets(void **state) {
     (void)state;
@@ -301,6 +435,57 @@ static void no_layers_are_no_targets(void **state) {
         assert_memory_equal(x, y, size);
         free(x);
         free(y);
+        forget(&l);
+    }
+}
+
+/* A channel that is periodic along the layer: nodes of both sides move up and down together, and heights are
+ * kept there, too. */
+static void periodic_layers_keep_their_heights(void **state) {
+    (void)state;
+    for (int k = 0; k < N_KINDS; k++) {
+        layers l = make_layers(kinds[k]);
+        const int dim = l.mesh.dim;
+        const int64_t n = l.mesh.n_nodes;
+        uint8_t *constraint = allocate(n, 1);
+        double *direction = allocate(n * dim, sizeof *direction);
+        int32_t *pair = allocate(2 * n, sizeof *pair);
+        const double top = FIRST * (pow(GROWTH, N) - 1) / (GROWTH - 1);
+        for (int64_t i = 0; i < n; i++) {
+            const double *p = l.box->x + i * dim, z = p[dim - 1];
+            const int is_side = p[0] < 1e-9 || p[0] > N - 1e-9;
+            if (!is_side || z < 1e-9 || z > top - 1e-9 ||
+                (dim == 3 && (p[1] < 1e-9 || p[1] > N - 1e-9)))
+                continue;
+            constraint[i] = dim == 3 ? PLANISH_CONSTRAINT_ON_PLANE : PLANISH_CONSTRAINT_ON_LINE;
+            direction[i * dim + (dim == 3 ? 0 : 1)] = 1;
+            for (int64_t j = 0; j < n && p[0] < 1e-9; j++) { /* the node on the other side */
+                const double *q = l.box->x + j * dim;
+                if (fabs(q[0] - N) < 1e-9 && fabs(q[dim - 1] - z) < 1e-9 &&
+                    (dim == 2 || fabs(q[1] - p[1]) < 1e-9)) {
+                    pair[2 * l.mesh.n_periodic] = (int32_t)i;
+                    pair[2 * l.mesh.n_periodic++ + 1] = (int32_t)j;
+                }
+            }
+            l.x[i * dim + dim - 1] += 0.08 * z; /* of both sides alike */
+        }
+        assert_true(l.mesh.n_periodic >= N - 1);
+        l.mesh.constraint = constraint;
+        l.mesh.direction = direction;
+        l.mesh.periodic = pair;
+        l.mesh.reference = l.box->x;
+        const double before = worst_height(&l, N);
+        const planish_options options = test_options(1);
+        test_smooth_in_place(&l.mesh, l.x, &options);
+        assert_true(worst_height(&l, N) < 0.3 * before);
+        assert_int_equal(n_inverted(&l), 0);
+        for (int64_t i = 0; i < l.mesh.n_periodic; i++)
+            for (int d = 0; d < dim; d++)
+                assert_true(fabs(l.x[(int64_t)pair[2 * i + 1] * dim + d] -
+                                 l.x[(int64_t)pair[2 * i] * dim + d] - (d == 0 ? N : 0)) < 1e-12);
+        free(constraint);
+        free(direction);
+        free(pair);
         forget(&l);
     }
 }
@@ -346,11 +531,6 @@ static void what_does_not_fit_is_refused(void **state) {
     planish_options options = test_options(1);
     options.size_weight = 0.5;
     test_expect_refusal(&l.mesh, &options, PLANISH_ERROR_ARGUMENT, "size_weight");
-    options.size_weight = 0;
-    static const int32_t pair[2] = {0, 3};
-    l.mesh.n_periodic = 1;
-    l.mesh.periodic = pair;
-    test_expect_refusal(&l.mesh, &options, PLANISH_ERROR_ARGUMENT, "mesh.is_layer");
     forget(&l);
 }
 
@@ -359,8 +539,13 @@ int main(void) {
         cmocka_unit_test(layers_become_regular_along),
         cmocka_unit_test(layers_on_stretched_walls_keep_their_heights),
         cmocka_unit_test(moved_walls_get_their_spacing_back),
+        cmocka_unit_test(layers_under_other_elements_are_untangled),
         cmocka_unit_test(measures_are_against_the_layers),
+        cmocka_unit_test(heights_are_measured_by_rows),
+        cmocka_unit_test(heights_are_measured_under_moved_walls),
+        cmocka_unit_test(heights_need_marks),
         cmocka_unit_test(bits_are_the_same),
+        cmocka_unit_test(periodic_layers_keep_their_heights),
         cmocka_unit_test(any_marks_are_taken),
         cmocka_unit_test(no_layers_are_no_targets),
         cmocka_unit_test(what_does_not_fit_is_refused),

@@ -68,8 +68,20 @@ for kind in quads hexes prisms triangles tets; do
     expect_json 'r["mesh"]["held"]["layers"] == 0 and r["mesh"]["free_nodes"] > 0'
     expect_json 'r["after"]["rms_aspect_ratio"] < r["before"]["rms_aspect_ratio"]'
     expect_json 'r["objective"]["name"] == "mean-ratio" and r["after"]["inverted"] == 0'
-    below "$(python3 heights.py $kind out-1.mesh 10)" 0.1 ||
-        fail "$kind: heights $(python3 heights.py $kind out-1.mesh 10)"
+    worst=$(python3 heights.py $kind out-1.mesh 10)
+    below "$worst" 0.1 || fail "$kind: heights $worst"
+    # The heights that are told are those that are measured here.
+    expect_json 'r["layer_heights"]["wanted"] == "before" and r["layer_heights"]["told_by_rows_inside"] == 0'
+    expect_json 'r["layer_heights"]["before"]["least"] == r["layer_heights"]["before"]["most"] == 1'
+    expect_json "abs(max(max(1 - h['least'], h['most'] - 1) for h in r['layer_heights']['rows'][:10]) - $worst) < 0.02"
+    grep -q "^heights of layers: .* off those before, median" out || fail "$kind: the table says the heights"
+    ! grep -q "heights of layers are" err || fail "$kind: there is nothing to note: $(cat err)"
+    expect_status 0 "$program" compare pushed.mesh out-1.mesh --json compared.json
+    python3 - <<'END2' || fail "$kind: compare and smooth measure heights alike"
+import json
+a, b = (json.load(open(n))["layer_heights"] for n in ("report.json", "compared.json"))
+assert a["edges"] >= b["edges"] > 0 and abs(a["most"] - b["most"]) < 0.01, (a, b)
+END2
     "$program" quality pushed.mesh --layers keep --json quality.json -q
     python3 - <<'END2' || fail "$kind: quality and smooth measure alike"
 import json
@@ -82,6 +94,16 @@ END2
     expect_status 0 "$program" smooth moved.mesh -o out.mesh --layers keep --json report.json
     expect_json 'r["before"]["inverted"] > 0 and r["after"]["inverted"] == 0'
     below "$(python3 heights.py $kind out.mesh 5)" 0.1 || fail "$kind: first heights $(python3 heights.py $kind out.mesh 5)"
+    expect_json 'r["layer_heights"]["told_by_rows_inside"] > 0 and r["layer_heights"]["before"]["least"] < 0'
+    expect_json 'all(0.9 < h["least"] and h["most"] < 1.1 for h in r["layer_heights"]["rows"][:5])'
+    grep -q "^A wall was moved: .* heights are told by the rows inside" out || fail "$kind: the table says that a wall was moved"
+    # The same against the mesh before: it tells all heights.
+    python3 make.py $kind 0 0 >start.mesh
+    expect_status 0 "$program" smooth moved.mesh -o liked.mesh --like start.mesh --json report.json
+    expect_json 'r["layer_heights"]["wanted"] == "like" and r["layer_heights"]["told_by_rows_inside"] == 0'
+    grep -q "off those in the mesh of --like" out || fail "$kind: the table says the heights with --like"
+    "$program" quality out.mesh --like start.mesh --json report.json >out
+    expect_json 'all(0.9 < h["least"] and h["most"] < 1.1 for h in r["layer_heights"]["rows"][:5])'
 done
 
 # ---- without an option
@@ -92,10 +114,14 @@ for kind in quads hexes prisms; do
     expect_status 0 "$program" smooth pushed.mesh -o out.mesh --json report.json
     cmp -s kept.mesh out.mesh || fail "$kind: keep is the default"
     expect_text "are thin in layers, and keep their heights; --layers hold holds their nodes"
+    grep "thin in layers" err >noted
     grep -q "AR compares layers with their former heights" out || fail "$kind: the table says the target by default"
     expect_json 'r["target"] == "layers" and r["mesh"]["held"]["layers"] == 0'
     expect_json 'r["mesh"]["kept_layer_elements"] == r["mesh"]["layer_elements"] > 100'
     expect_json 'r["after"]["min_scaled_jacobian"] >= r["before"]["min_scaled_jacobian"] - 1e-9'
+    expect_status 0 "$program" quality pushed.mesh --json report.json
+    expect_text "$(cat noted)"
+    expect_json 'r["target"] == "regular" and r["mesh"]["kept_layer_elements"] > 100 and r["mesh"]["held_layer_elements"] == 0'
     # A wall was moved through one of few rows: more than a twentieth of the elements at the layer are inverted. Of
     # quadrilaterals these are so many that keep has to be asked for.
     python3 make.py $kind 1.4 0 8 >moved.mesh
@@ -112,7 +138,12 @@ for kind in quads hexes prisms; do
     # So many inverted elements may be those of a tangled mesh: keep has to be asked for.
     expect_status 0 "$program" smooth moved.mesh -o out.mesh --json report.json
     expect_json 'r["after"]["inverted"] == 0 and r["mesh"]["kept_layer_elements"] == 0 and r["target"] == "regular"'
-    [ $kind = quads ] || expect_text "are thin in layers (did a wall move?): --layers keep keeps their heights"
+    if [ $kind != quads ]; then
+        expect_text "are thin in layers (did a wall move?): --layers keep keeps their heights"
+        grep "did a wall move" err >noted
+        expect_status 0 "$program" quality moved.mesh
+        expect_text "$(cat noted)"
+    fi
     expect_status 0 "$program" smooth moved.mesh -o out.mesh --layers keep --json report.json
     expect_json 'r["after"]["inverted"] == 0 and r["target"] == "layers"'
 done
@@ -122,7 +153,22 @@ for kind in triangles tets; do # layers of these have a note, as before
     expect_json 'r["target"] == "regular" and r["mesh"]["kept_layer_elements"] == 0'
     expect_json 'r["mesh"]["held"]["layers"] == 0 and r["mesh"]["free_layer_elements"] > 100'
     expect_text "(a boundary layer?): --fix-layers keeps them"
+    grep -q "^note: heights of layers are .* off those before, most in row .*: --layers keep, or --fix-layers, keeps them" err ||
+        fail "$kind: heights that changed have a note: $(cat err)"
+    expect_json 'r["layer_heights"]["most"] > 1.1'
+    # Ways to smooth are compared by the layers, and keeping them is one.
+    expect_status 0 "$program" advise pushed.mesh
+    grep -q "^All figures are against the layers of the mesh" out || fail "$kind: what figures are against"
+    tail -n 1 out | grep -q "^Run: planish smooth pushed.mesh OUT --layers keep" || fail "$kind: $(tail -n 1 out)"
 done
+# Held layers are measured as kept ones are: their aspect ratios are not those of thin elements.
+python3 make.py prisms 0 0.3 >pushed.mesh
+expect_status 0 "$program" advise pushed.mesh
+! grep -q -e "with --layers keep" out || fail "layers are kept without an option"
+python3 - <<'END2' || fail "figures of advise: $(cat out)"
+best = [line.split() for line in open("out") if line.startswith("  with --best")][0]
+assert float(best[5]) < 2, best
+END2
 
 # ---- prisms over a wall, tetrahedra over these: all that are thin keep their heights
 
@@ -144,7 +190,15 @@ print("\n".join(" ".join(map(str, e)) + " 1" for e in tets) + "\nEnd")
 END2
 expect_status 0 "$program" smooth mixed.mesh -o out.mesh --json report.json
 expect_json 'r["target"] == "layers" and r["mesh"]["kept_layer_elements"] == r["mesh"]["layer_elements"] > 1640'
-expect_json 'r["mesh"]["held"]["layers"] == r["mesh"]["free_layer_elements"] == 0'
+# What pulls at rows by more than a tenth of their heights is undone: the nodes there are held.
+expect_json '0 < r["mesh"]["held"]["layers"] <= r["layer_heights"]["held_nodes"] and r["mesh"]["free_nodes"] > 200'
+expect_json '0.9 <= r["layer_heights"]["least"] and r["layer_heights"]["most"] <= 1.1'
+expect_json 'r["after"]["rms_aspect_ratio"] < r["before"]["rms_aspect_ratio"] and r["mesh"]["free_layer_elements"] == 0'
+expect_json 'r["after"]["max_aspect_ratio_movable"] <= r["before"]["max_aspect_ratio_movable"] * (1 + 1e-9)'
+grep -q "nodes of layers are held, as heights would change by more than 10 %" out || fail "the table says what is held"
+expect_status 0 "$program" smooth mixed.mesh -o told.mesh -q -j 2
+cmp -s out.mesh told.mesh || fail "what is told, and threads, change the bits"
+below "$(python3 heights.py prisms out.mesh 12)" 0.1 || fail "mixed: all heights $(python3 heights.py prisms out.mesh 12)"
 expect_text "are thin in layers, and keep their heights"
 below "$(python3 heights.py prisms out.mesh 4)" 0.1 || fail "mixed: heights $(python3 heights.py prisms out.mesh 4)"
 expect_status 0 "$program" smooth mixed.mesh -o out.mesh --layers hold --json report.json
@@ -154,6 +208,7 @@ expect_json 'r["target"] == "regular" and r["mesh"]["held_layer_elements"] == r[
 
 expect_status 0 "$program" smooth pushed.mesh -o out.mesh --layers keep --report page.html -q
 grep -q 'id="target">The layers should keep their heights' page.html || fail "the page says the target"
+grep -q 'id="layers" class="whole"><h2>Heights of layers' page.html || fail "the page tells the heights"
 grep -q "former heights of the layers" page.html || fail "the page has the target among its facts"
 python3 make.py prisms 0 0.3 >pushed.mesh
 expect_status 0 "$program" smooth pushed.mesh -o out.mesh --json report.json --report page.html -q

@@ -8,7 +8,7 @@ import sys
 OTHER = {"output", "seconds", "threads", "binding", "peak_memory_bytes", "processes"}
 UNKNOWN_IN_PARTS = {"held", "mid_side_nodes", "unused_nodes", "doubled_nodes"}
 UNKNOWN_IN_PIECES = {"worst_elements", "could_slide", "layer_elements", "free_layer_elements", "held_layer_elements",
-                     "kept_layer_elements"}
+                     "kept_layer_elements", "layer_heights"}
 SUMS = {"mean", "total_volume", "mean_radius_ratio"}
 
 

@@ -4,7 +4,9 @@
 
 #include "commands/steps.h"
 #include "options/combinations.h"
+#include "job/cells.h"
 #include "job/job.h"
+#include "job/layers.h"
 #include "job/states.h"
 #include "terminal/message.h"
 #include "terminal/signals.h"
@@ -17,12 +19,13 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /** Way of smoothing, and what came of it. */
 typedef struct way {
     const char *options; /* as they are typed; "": none */
-    int slides, is_best;
+    int slides, is_best, keeps;
     int is_done;    /* the figures are there, */
     int is_stopped; /* but MOST_SECONDS ended it */
     int64_t inverted;
@@ -31,6 +34,17 @@ typedef struct way {
     int64_t n_supported; /* nodes with boundary conditions that may move */
     int has_sets;        /* the file has sets of nodes */
 } way;
+
+/** The layers of the mesh, which all ways are measured against: else one that destroys layers would look
+ *  better than one that keeps them. */
+typedef struct advised_layers {
+    int is_looked_for;
+    uint8_t *
+        is_layer; /* [elements as of pl_job_find_layers] owned, or NULL: there are none, or something
+                          else is asked for */
+    double *place; /* [n_nodes][dim] of the input, owned */
+    int are_kept;  /* smooth keeps them by default */
+} advised_layers;
 
 /* No way is tried longer: it is an advice. */
 static const double MOST_SECONDS = 30;
@@ -47,6 +61,7 @@ static pl_arguments arguments_of(const pl_arguments *arguments, const way *w) {
     made.output = made.input; /* messages name it; it is not written */
     made.verbosity = PL_QUIET;
     made.slide = made.slide_given = w->slides || w->is_best;
+    made.layers = w->keeps ? PL_LAYERS_KEPT : made.layers;
     made.slide_curved = made.curved_if_any = made.worst = w->is_best;
     made.objective_given = w->is_best ? "--best" : NULL;
     made.library.worst = w->is_best ? PLANISH_WORST_ANGLE : PLANISH_WORST_NONE;
@@ -65,6 +80,59 @@ static void take_figures(way *w, const pl_job *job, const planish_quality *quali
     w->rms = job->has_types ? all->rms_aspect_ratio : quality->rms_radius_ratio;
 }
 
+/** Take the figures of the mesh at places against the layers of the input. */
+static int take_figures_of_layers(way *w, const pl_job *job, const advised_layers *layers,
+                                  const double *place) {
+    planish_mesh mesh;
+    planish_cells cells;
+    planish_cell_quality quality;
+    planish_error error;
+    const int status = pl_job_layer_mesh(job, &cells, &mesh);
+    if (status)
+        return status;
+    mesh.is_layer = layers->is_layer;
+    mesh.reference = layers->place;
+    mesh.coordinates = place;
+    mesh.size = mesh.metric = NULL;
+    if (planish_measure_cells(&mesh, pl_cells_rounding(job), job->options.threads, &quality, NULL,
+                              &error))
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    w->is_done = 1;
+    w->inverted = quality.all.n_inverted + quality.all.n_uncertified;
+    w->worst = quality.all.max_aspect_ratio;
+    w->least = quality.all.min_scaled_jacobian;
+    w->rms = quality.all.rms_aspect_ratio;
+    return 0;
+}
+
+/** Find the layers that ways are measured against: those that are kept, and without an option also others
+ *  if they are many. */
+static int find_layers(const pl_job *job, advised_layers *layers) {
+    const pl_layers_asked asked = job->arguments->layers;
+    const size_t size = (size_t)(job->mesh.n_nodes * job->mesh.dim) * sizeof *layers->place;
+    planish_mesh mesh;
+    planish_cells cells;
+    int64_t n = 0;
+    layers->is_looked_for = 1;
+    layers->are_kept = job->like.is_layer != NULL;
+    if (!job->file || job->is_surface || (!layers->are_kept && job->like.place) ||
+        (asked != PL_LAYERS_BY_TYPE && asked != PL_LAYERS_KEPT))
+        return 0;
+    int status = pl_job_find_layers(job, &layers->is_layer, &n);
+    if (!status)
+        status = pl_job_layer_mesh(job, &cells, &mesh);
+    layers->place = status ? NULL : malloc(size + 1);
+    if (!status && !layers->place)
+        status = pl_job_complain_memory(job, "places of nodes");
+    if (!status)
+        memcpy(layers->place, job->mesh.coordinates, size);
+    if (!status && !layers->are_kept && !pl_layers_are_many(n, mesh.n_elements)) {
+        free(layers->is_layer);
+        layers->is_layer = NULL;
+    }
+    return status;
+}
+
 /** Whether the file has sets of nodes, which loads and supports are often of. */
 static int has_node_sets(const pl_job *job) {
     const planish_group *group;
@@ -78,8 +146,25 @@ static int has_node_sets(const pl_job *job) {
     return 0;
 }
 
-/** Smooth in way w; before is filled in, too. *has_types is set as job->has_types. */
-static int try_way(const pl_arguments *arguments, way *w, way *before, int *has_types) {
+/** Take the figures of the mesh after smoothing, and before (NULL: they are known). */
+static int take_all_figures(const pl_job *job, const pl_result *result,
+                            const advised_layers *layers, way *before, way *w) {
+    int status = 0;
+    if (layers->is_layer) {
+        if (before)
+            status = take_figures_of_layers(before, job, layers, layers->place);
+        return status ? status : take_figures_of_layers(w, job, layers, job->mesh.coordinates);
+    }
+    if (before)
+        take_figures(before, job, &result->before, &result->validity_before);
+    take_figures(w, job, &result->after, &result->validity_after);
+    return 0;
+}
+
+/** Smooth in way w; before is filled in, too, unless it is NULL. *has_types is set to whether the figures
+ *  are aspect ratios and scaled Jacobians. */
+static int try_way(const pl_arguments *arguments, way *w, way *before, int *has_types,
+                   advised_layers *layers) {
     const pl_arguments of_way = arguments_of(arguments, w);
     pl_result result = {.reason = ""};
     pl_progress progress;
@@ -90,15 +175,17 @@ static int try_way(const pl_arguments *arguments, way *w, way *before, int *has_
     int status = pl_job_read(&job, &of_way, &pl_engine_here);
     if (!status)
         status = pl_steps_check(&job);
+    if (!status && !layers->is_looked_for)
+        status = find_layers(&job, layers);
     if (!status)
         status = pl_steps_smooth(&job, &result, &progress);
+    if (!status)
+        status = take_all_figures(&job, &result, layers, before, w);
     if (!status) {
-        take_figures(before, &job, &result.before, &result.validity_before);
-        take_figures(w, &job, &result.after, &result.validity_after);
         w->is_stopped = result.smooth.stop == PLANISH_STOP_TIME_LIMIT;
         w->n_supported = job.n_supported;
         w->has_sets = has_node_sets(&job);
-        *has_types = job.has_types;
+        *has_types = job.has_types || layers->is_layer;
     }
     pl_progress_clear(&progress);
     w->seconds = pl_seconds() - begin;
@@ -232,23 +319,29 @@ static void put_advice(const pl_arguments *arguments, const way *before, const w
     put_remarks(arguments, best);
 }
 
-/** Try all ways, and print a row for each; what minimises another objective than --like and kept layers
- *  is left out. */
+/** Whether a way makes no sense: of what minimises another objective than --like and kept layers, and of
+ *  keeping layers where there are none, or where they are kept without. */
+static int is_left_out(const pl_arguments *arguments, const way *w, const advised_layers *layers) {
+    return (w->is_best && pl_arguments_target(arguments)) ||
+           (w->keeps && (!layers->is_layer || layers->are_kept));
+}
+
+/** Try all ways, and print a row for each. */
 static int try_ways(const pl_arguments *arguments) {
     way ways[] = {{.options = ""},
                   {.options = "--slide auto", .slides = 1},
+                  {.options = "--layers keep", .keeps = 1},
                   {.options = "--best", .is_best = 1}};
     enum { N_WAYS = sizeof ways / sizeof *ways };
     way before = {.options = ""};
+    advised_layers layers = {.is_looked_for = 0};
     int has_types = 0, status = 0;
-    for (int i = 0; i < N_WAYS; i++) {
+    for (int i = 0; i < N_WAYS && !status && !pl_signals_stop_asked(); i++) {
         char label[LABEL + 1];
-        if (ways[i].is_best && pl_arguments_target(arguments))
+        if (is_left_out(arguments, &ways[i], &layers))
             continue;
-        status = try_way(arguments, &ways[i], &before, &has_types);
-        if (pl_signals_stop_asked())
-            return pl_complain(PL_EXIT_FAILED, "%s: a signal stopped the trial", arguments->input);
-        if (status) /* its message is there */
+        status = try_way(arguments, &ways[i], i == 0 ? &before : NULL, &has_types, &layers);
+        if (status || pl_signals_stop_asked()) /* of an error the message is there */
             break;
         if (i == 0) {
             put_head(has_types);
@@ -257,6 +350,14 @@ static int try_ways(const pl_arguments *arguments) {
         snprintf(label, sizeof label, "%s%s", i == 0 ? "smoothed" : "  with ", ways[i].options);
         put_way(&ways[i], label, 1);
     }
+    const int has_layers = layers.is_layer != NULL;
+    free(layers.is_layer);
+    free(layers.place);
+    if (pl_signals_stop_asked())
+        return pl_complain(PL_EXIT_FAILED, "%s: a signal stopped the trial", arguments->input);
+    if (has_layers && before.is_done)
+        pl_terminal_wrap(stdout, "All figures are against the layers of the mesh: AR is 1 for an "
+                                 "element with its height.");
     if (before.is_done)
         put_advice(arguments, &before, ways, N_WAYS);
     return status;

@@ -140,6 +140,10 @@ static int measure_job(quality_run *r, pl_job *job, pl_compared *mesh) {
         return status;
     if ((status = measure_surface(job, &measured->surface)))
         return status;
+    if (pl_job_is_told(job) && (status = pl_heights_begin(job)))
+        return status;
+    if (pl_job_is_told(job) && (status = pl_heights_measure(job, &measured->heights)))
+        return status;
     print_table(r, job, measured);
     if ((status = keep_notes(r, job, mesh)))
         return status;

@@ -8,6 +8,7 @@
 #include "job/cells.h"
 #include "job/curved.h"
 #include "job/entities.h"
+#include "job/heights.h"
 #include "job/held.h"
 #include "job/layers.h"
 #include "job/moved.h"
@@ -29,6 +30,7 @@
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static int has_mids(const planish_cells *cells) {
     for (int64_t i = 0; cells && i < cells->n; i++)
@@ -154,6 +156,8 @@ static int prepare(pl_job *job, pl_result *result, pl_progress *progress) {
         return status;
     if (is_told && (status = pl_layers_count(job, &result->before)))
         return status;
+    if (is_told && (status = pl_heights_begin(job)))
+        return status;
     if (job->arguments->verbosity != PL_QUIET) {
         pl_layers_print(stderr, job);
         pl_curved_note_held(stderr, job, result->validity_before.quality.all.n_curved,
@@ -215,6 +219,59 @@ static int run_sweeps(pl_job *job, pl_result *result, listeners *to) {
     return 0;
 }
 
+/** Whether sweeps may be repeated from the start: they have come to their end, the mesh was valid, and kept
+ *  layers may have changed their heights. */
+static int may_repeat(const pl_job *job, const pl_result *result) {
+    const planish_stop stop = result->smooth.stop;
+    return job->layers.n_kept > 0 && !job->onto.fit && !pl_signals_stop_asked() &&
+           (stop == PLANISH_STOP_CONVERGED || stop == PLANISH_STOP_MAX_SWEEPS) &&
+           pl_validity_faults(&result->validity_before, &result->before) == 0;
+}
+
+/** Go back to the start, with the nodes held that job->constraint fixes now. */
+static int begin_again(pl_job *job, pl_result *result, listeners *to) {
+    const size_t size = (size_t)(job->mesh.n_nodes * job->mesh.dim) * sizeof(double);
+    double *coordinates = planish_file_coordinates(job->file);
+    int status;
+    memcpy(coordinates, job->like.place, size);
+    job->engine->plan_destroy(job);
+    free(job->wrapped);
+    job->wrapped = NULL;
+    to->progress->n_sweeps = 0;
+    pl_history_free(to->history);
+    to->history = NULL;
+    if ((status = pl_job_plan(job)))
+        return status;
+    if ((status = pl_held_count(job)))
+        return status;
+    if ((status = pl_job_measure(job, &result->before)))
+        return status;
+    return pl_history_begin(job, result->picture, &to->history);
+}
+
+/** Smooth. Where kept layers change their heights by much, their nodes are held, and it begins again. */
+static int smooth_layers(pl_job *job, pl_result *result, listeners *to) {
+    enum { ROUNDS = 6 };
+    const double limit = job->options.time_limit, least = 1e-3;
+    double seconds = 0; /* of rounds that were given up */
+    int status = run_sweeps(job, result, to);
+    for (int round = 0; !status && round < ROUNDS && may_repeat(job, result); round++) {
+        int64_t n;
+        status = pl_heights_hold(job, &n);
+        if (status || n == 0)
+            break;
+        seconds += result->smooth_seconds;
+        if (limit > 0) /* of all rounds */
+            job->options.time_limit = limit - seconds > least ? limit - seconds : least;
+        status = begin_again(job, result, to);
+        if (!status)
+            status = run_sweeps(job, result, to);
+    }
+    job->options.time_limit = limit;
+    result->smooth_seconds += seconds;
+    return status;
+}
+
 /** Find out what came of the sweeps, and whether it may be written. */
 static int check_result(pl_job *job, pl_result *result) {
     const planish_result *smooth = &result->smooth;
@@ -240,6 +297,8 @@ static int check_result(pl_job *job, pl_result *result) {
     if (job->curved.shape && (status = measure_surface(job, 1, result)))
         return status;
     if ((status = pl_onto_measure(job)))
+        return status;
+    if (pl_job_is_told(job) && (status = pl_heights_measure(job, &result->heights)))
         return status;
     return pl_promises_check(job, result);
 }
@@ -274,7 +333,7 @@ int pl_steps_check(const pl_job *job) {
 /** From the sweeps to the result. */
 static int smooth(pl_job *job, pl_result *result, listeners *to) {
     int status;
-    if ((status = run_sweeps(job, result, to)))
+    if ((status = smooth_layers(job, result, to)))
         return status;
     pl_progress_stage(to->progress, PL_STAGE_CHECKING);
     if ((status = check_result(job, result)))
@@ -313,6 +372,8 @@ int pl_steps_compare(pl_job *job, const planish_file *after, pl_result *result,
     if ((status = pl_validity_find(job, &result->validity_after)))
         return status;
     if ((status = pl_reversed_compare(job, &result->after, &result->reversed)))
+        return status;
+    if (pl_job_is_told(job) && (status = pl_heights_measure(job, &result->heights)))
         return status;
     result->before.n_fixed_elements = result->after.n_fixed_elements = 0; /* whatever moved them */
     status = take_for_reports(job, "after", &result->validity_after, &result->checksum,

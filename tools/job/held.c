@@ -32,7 +32,7 @@ static const char *const words[PL_N_HELD_BY] = {"on the boundary",
                                                 "required by the file",
                                                 "at the place of other nodes",
                                                 "where the mesh is not manifold",
-                                                "on thin layers (--layers hold)",
+                                                "on thin layers",
                                                 "on elements that wrap around the domain",
                                                 "not chosen by --only-worse-than"};
 

@@ -118,20 +118,29 @@ static int find_held(const pl_job *job, const planish_hold *hold, uint8_t *const
     return complain_of_arguments(job, &error);
 }
 
+int pl_job_layer_mesh(const pl_job *job, planish_cells *cells, planish_mesh *mesh) {
+    planish_error error;
+    *mesh = job->mesh;
+    if (!job->file || planish_file_mesh(job->file).n_elements + job->file_info.n_other_elements <=
+                          job->mesh.n_elements)
+        return 0;
+    if (planish_file_cells(job->file, cells, &error))
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    mesh->cells = cells;
+    mesh->elements = NULL;
+    mesh->n_elements = cells->n;
+    return 0;
+}
+
 int pl_job_find_layers(const pl_job *job, uint8_t **is_layer, int64_t *n) {
-    planish_mesh mesh = job->mesh;
+    planish_mesh mesh;
     planish_cells cells;
     planish_error error;
     *is_layer = NULL;
     *n = 0;
-    if (job->file && planish_file_mesh(job->file).n_elements + job->file_info.n_other_elements >
-                         job->mesh.n_elements) {
-        if (planish_file_cells(job->file, &cells, &error))
-            return pl_job_complain(job, PL_EXIT_FAILED, &error);
-        mesh.cells = &cells;
-        mesh.elements = NULL;
-        mesh.n_elements = cells.n;
-    }
+    const int status = pl_job_layer_mesh(job, &cells, &mesh);
+    if (status)
+        return status;
     *is_layer = malloc((size_t)mesh.n_elements + 1);
     if (!*is_layer)
         return pl_job_complain_memory(job, "values of elements");
@@ -399,7 +408,6 @@ static const char *not_kept_with(const pl_job *job) {
            : arguments->worst                                    ? "--objective worst"
            : arguments->objective_given && objective != PLANISH_OBJECTIVE_MEAN_RATIO
                ? "--objective edge-ratio"
-           : job->mesh.n_periodic > 0       ? "periodic nodes"
            : job->engine != &pl_engine_here ? "several processes"
                                             : NULL;
 }
@@ -415,7 +423,7 @@ static int may_keep_layers(const pl_job *job) {
     int found = 0;
     for (int64_t i = 0; !found && i < job->mesh.n_elements; i++)
         found = has_kept_type(job, i);
-    return found && !job->is_surface && job->arguments->command == PL_COMMAND_SMOOTH;
+    return found && !job->is_surface && job->arguments->command != PL_COMMAND_COMPARE;
 }
 
 /** Find out whether elements that are not valid are many beside those of layers: these may be thin by chance
@@ -433,7 +441,8 @@ static int find_tangled(pl_job *job) {
 }
 
 /** Find the layers, and make them targets if there are any; by default only if they have elements of types
- *  whose layers are kept, and the mesh is not tangled. */
+ *  whose layers are kept, and the mesh is not tangled. By default the command quality counts what smooth
+ *  would keep, but measures without targets. */
 static int keep_layers(pl_job *job) {
     const int is_default = job->arguments->layers == PL_LAYERS_BY_TYPE;
     uint8_t *is_layer;
@@ -449,6 +458,10 @@ static int keep_layers(pl_job *job) {
     }
     job->layers.n_kept = job->layers.n;
     job->layers.n_of_types = n_of_types;
+    if (is_default && job->arguments->command == PL_COMMAND_QUALITY) {
+        job->is_layer = is_layer;
+        return 0;
+    }
     if (job->layers.n > 0)
         return pl_like_layers(job->arguments, job->file, is_layer, &job->mesh, &job->like);
     free(is_layer);
@@ -819,6 +832,8 @@ int pl_job_measure(const pl_job *job, planish_quality *quality) {
 }
 
 void pl_job_close(pl_job *job) {
+    free(job->wanted.is_layer);
+    free(job->wanted.place);
     if (job->engine)
         job->engine->plan_destroy(job);
     planish_fit_destroy(job->onto.fit);

@@ -2,7 +2,7 @@
  *
  *     pl_job_read, _close                  the file, with constraints, minimum volumes and the box
  *     pl_job_find_slides, _count_slides    nodes that slide, or could
- *     pl_job_find_layers, _hold_layers     boundary layers
+ *     pl_job_find_layers, _layer_mesh, _hold_layers    boundary layers
  *     pl_job_plan, _get_free, _measure     by the engine
  *     pl_job_complain, _complain_memory    messages on errors of the library, and of memory
  *
@@ -28,6 +28,14 @@ typedef struct pl_layers {
     char not_kept[64];  /* what they could not be kept with by default, or "" */
     char fix[256];      /* options that hold them by their groups, or "" */
 } pl_layers;
+
+/** What heights of layers are compared with (heights.h). */
+typedef struct pl_wanted_heights {
+    uint8_t *is_layer; /* [elements as of pl_job_find_layers] owned, or NULL: like.is_layer says
+                          that, or nobody asks */
+    double *place;  /* [n_nodes][dim] where layers have these heights, owned, or NULL: like.place */
+    int64_t n_held; /* nodes that are held as heights of kept layers would change by much */
+} pl_wanted_heights;
 
 /** Why a node is held, in the order in which reasons count. A node may have several; as bits they
  * are 1 << pl_held_by. */
@@ -138,6 +146,7 @@ typedef struct pl_job {
     double read_seconds;  /* file and constraints */
     double shape_seconds; /* nodes that slide, or could; layers, without --fix-layers */
     double setup_seconds; /* plan */
+    pl_wanted_heights wanted;
 } pl_job;
 
 /** Read the file of arguments and find out which nodes it holds and what bounds there are. */
@@ -159,6 +168,9 @@ planish_hold pl_job_hold(const pl_job *job);
  *  [mesh.n_elements, and one for each other element of planish_file_cells], owned by the caller also
  *  after an error. */
 int pl_job_find_layers(const pl_job *job, uint8_t **is_layer, int64_t *n);
+
+/** The mesh with all elements that are looked at for layers, in cells where it is not job->mesh. */
+int pl_job_layer_mesh(const pl_job *job, planish_cells *cells, planish_mesh *mesh);
 
 /** Fix the nodes of layers that are held, if there are any, in constraint [n_nodes]. */
 void pl_job_hold_layers(const pl_job *job, uint8_t *constraint);

@@ -129,12 +129,31 @@ static int keep_loose(pl_job *job, uint8_t *is_layer) {
     return status;
 }
 
+/** Copy the marks of elements whose heights are told. */
+static int take_marks(pl_job *job, const uint8_t *is_layer) {
+    planish_mesh mesh;
+    planish_cells cells;
+    const int status = pl_job_layer_mesh(job, &cells, &mesh);
+    if (status)
+        return status;
+    job->wanted.is_layer = malloc((size_t)mesh.n_elements + 1);
+    if (!job->wanted.is_layer)
+        return pl_job_complain_memory(job, "values of elements");
+    memcpy(job->wanted.is_layer, is_layer, (size_t)mesh.n_elements);
+    return 0;
+}
+
 int pl_layers_are_many(int64_t n, int64_t n_elements) {
     return n >= MANY_AT_LEAST && (double)n >= MANY * (double)n_elements;
 }
 
+/** Elements of the mesh; that of the command quality has the simplices alone. */
+static int64_t count_elements(const pl_job *job) {
+    return job->file ? planish_file_mesh(job->file).n_elements : job->mesh.n_elements;
+}
+
 static int are_many(const pl_job *job) {
-    return pl_layers_are_many(job->layers.n_loose, job->mesh.n_elements);
+    return pl_layers_are_many(job->layers.n_loose, count_elements(job));
 }
 
 int pl_layers_count(pl_job *job, const planish_quality *quality) {
@@ -156,10 +175,16 @@ int pl_layers_count(pl_job *job, const planish_quality *quality) {
     } else {
         status = pl_job_find_layers(job, &is_layer, &job->layers.n);
     }
+    /* What becomes of heights is told: of layers that may move, and of all where meshes are compared. */
+    if (!status && job->layers.n > 0 && job->arguments->command == PL_COMMAND_COMPARE)
+        status = take_marks(job, is_layer);
     if (!status && job->layers.n > 0)
         status = keep_loose(job, is_layer);
     if (!status && are_many(job))
         status = find_groups(job, is_layer);
+    if (!status && are_many(job) && job->layers.n_held == 0 &&
+        job->arguments->command == PL_COMMAND_SMOOTH)
+        status = take_marks(job, is_layer);
     free(is_layer);
     job->shape_seconds += pl_seconds() - begin;
     return status;
@@ -169,7 +194,7 @@ int pl_layers_count(pl_job *job, const planish_quality *quality) {
 
 /** Write "N elements (P %)" to text. */
 static void put_count(const pl_job *job, int64_t n, char *text, size_t size) {
-    const int64_t of = job->mesh.n_elements + job->file_info.n_other_elements;
+    const int64_t of = count_elements(job) + job->file_info.n_other_elements;
     const double percent = of > 0 ? 100 * (double)n / (double)of : 0;
     if (n > 0 && percent < 0.1)
         snprintf(text, size, "%" PRId64 " elements (< 0.1 %%)", n);
@@ -209,12 +234,16 @@ void pl_layers_print(FILE *stream, const pl_job *job) {
         return;
     }
     print_default(stream, job);
-    put_count(job, layers->n_loose, count, sizeof count);
-    if (are_many(job) && layers->is_tangled)
+    /* The command quality does not know which nodes of all elements move. */
+    const int64_t n = layers->is_tangled && job->arguments->command == PL_COMMAND_QUALITY
+                          ? layers->n
+                          : layers->n_loose;
+    put_count(job, n, count, sizeof count);
+    if (pl_layers_are_many(n, count_elements(job)) && layers->is_tangled)
         pl_note(stream,
                 "%s are thin in layers (did a wall move?): --layers keep keeps their heights",
                 count);
-    else if (are_many(job) && layers->n_held == 0)
+    else if (are_many(job) && layers->n_held == 0 && layers->n_kept == 0)
         pl_note(stream, "%s are thin in layers (a boundary layer?): %s keeps them", count,
                 layers->fix[0] ? layers->fix : "--fix-layers");
 }

@@ -151,12 +151,13 @@ int pl_like_read(const pl_arguments *arguments, planish_file *file, int threads,
     return status;
 }
 
-/** Let the elements of mesh, as they are in file, be what the targets are made of; what: the option. */
+/** Let the elements of mesh, as they are in file, be what the targets are made of; what: the option, if it
+ *  is not for periodic meshes, or NULL. */
 static int take_own(const char *input, const char *what, planish_file *file, planish_mesh *mesh,
                     pl_like *like) {
     const size_t size = (size_t)(mesh->n_nodes * mesh->dim) * sizeof *like->place;
     planish_error error;
-    if (mesh->n_periodic > 0)
+    if (mesh->n_periodic > 0 && what)
         return pl_complain(PL_EXIT_FAILED, "%s: has periodic nodes: %s is not for such meshes yet",
                            input, what);
     if (planish_file_cells(file, &like->cells, &error))
@@ -173,7 +174,7 @@ static int take_own(const char *input, const char *what, planish_file *file, pla
 int pl_like_layers(const pl_arguments *arguments, planish_file *file, uint8_t *is_layer,
                    planish_mesh *mesh, pl_like *like) {
     like->is_layer = is_layer;
-    return take_own(arguments->input, "--layers keep", file, mesh, like);
+    return take_own(arguments->input, NULL, file, mesh, like);
 }
 
 int pl_like_sizes(const pl_arguments *arguments, planish_file *file, int threads,

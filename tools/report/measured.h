@@ -4,6 +4,7 @@
 
 #include "job/cells.h"
 #include "job/curved.h"
+#include "job/heights.h"
 #include "job/job.h"
 #include "job/states.h"
 #include "job/worst.h"
@@ -16,6 +17,7 @@ typedef struct pl_measured {
     uint8_t *reversed; /* [mesh.n_elements] as of pl_reversed_find, owned, or NULL */
     pl_worst worst;
     pl_surface_state surface;
+    pl_heights heights; /* of layers */
 } pl_measured;
 
 #endif

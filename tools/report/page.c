@@ -452,6 +452,7 @@ void pl_page_make(pl_markup *page, const pl_figures *figures, const pl_picture *
     pl_page_put_histograms(page, figures);
     pl_page_put_worst(page, figures);
     pl_page_put_convergence(page, figures);
+    pl_page_put_layers(page, figures);
     pl_page_put_surface(page, figures);
     pl_page_put_run(page, figures);
     pl_page_put_certificate(page, figures);

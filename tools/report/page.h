@@ -41,7 +41,8 @@ int pl_page_can_draw(void);
 void pl_page_put_measures(pl_markup *page, const pl_figures *figures);
 void pl_page_put_worst(pl_markup *page, const pl_figures *figures);
 
-/** page_run.c: the surface, time and machine, and what is certified. */
+/** page_run.c: heights of layers, the surface, time and machine, and what is certified. */
+void pl_page_put_layers(pl_markup *page, const pl_figures *figures);
 void pl_page_put_surface(pl_markup *page, const pl_figures *figures);
 void pl_page_put_run(pl_markup *page, const pl_figures *figures);
 void pl_page_put_certificate(pl_markup *page, const pl_figures *figures);

@@ -1,4 +1,4 @@
-/* page_run: what a page says of the run: its time and machine, and what is certified. */
+/* page_run: what a page says of the run: its time and machine, heights of layers, and what is certified. */
 #include "report/page.h"
 
 #include <math.h>
@@ -88,6 +88,52 @@ void pl_page_put_run(pl_markup *page, const pl_figures *figures) {
              : figures->has_targets && !figures->like[0] ? "former heights of the layers"
                                                          : figures->like);
     put_fact(page, "ended", pl_figure_text(result, "stop"));
+    pl_markup_put(page, "</tbody></table></div></section>\n");
+}
+
+/* ---- heights of layers ---------------------------------------------------------------------- */
+
+/** Put a row: by how much heights are off, in percent. */
+static void put_heights(pl_markup *page, const char *name, int number, const cJSON *of) {
+    static const char *const keys[] = {"least", "median", "most"};
+    pl_markup_put(page, "<tr><th scope=\"row\">%s", name);
+    if (number > 0)
+        pl_markup_put(page, " %d", number);
+    pl_markup_put(page, "</th><td>");
+    pl_markup_put_count(page, pl_figure_count(of, "edges"));
+    pl_markup_put(page, "</td>");
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
+        pl_markup_put(page, "<td>%+.3g&#8239;%%</td>", 100 * (pl_figure(of, keys[i]) - 1));
+    pl_markup_put(page, "</tr>\n");
+}
+
+void pl_page_put_layers(pl_markup *page, const pl_figures *figures) {
+    const cJSON *heights = cJSON_GetObjectItemCaseSensitive(figures->result, "layer_heights"), *row;
+    const int is_like = strcmp(pl_figure_text(heights, "wanted"), "like") == 0;
+    const int is_run = figures->n_states == 2;
+    const int64_t n_told = pl_figure_count(heights, "told_by_rows_inside");
+    int number = 0;
+    if (!cJSON_IsObject(heights) || (!is_run && !is_like && n_told == 0))
+        return;
+    pl_markup_put(page, "<section id=\"layers\" class=\"whole\"><h2>Heights of layers</h2>\n"
+                        "<p class=\"quiet\">By how much heights are off ");
+    pl_markup_put(page, "%s. Rows are counted from the thin end.",
+                  is_like ? "those of the mesh that elements should be like" : "those before");
+    if (n_told > 0) {
+        pl_markup_put(page, " A wall was moved: ");
+        pl_markup_put_number_of(page, n_told, "wanted height is", "wanted heights are");
+        pl_markup_put(page, " told by the rows inside.");
+    }
+    pl_markup_put(page,
+                  "</p>\n<div class=\"scroll\"><table class=\"many\"><thead><tr><th scope=\"col\">"
+                  "</th><th scope=\"col\">heights</th><th scope=\"col\">least</th>"
+                  "<th scope=\"col\">median</th><th scope=\"col\">most</th></tr></thead><tbody>\n");
+    if (n_told > 0)
+        put_heights(page, is_like ? "all, there" : "all, before", 0,
+                    cJSON_GetObjectItemCaseSensitive(heights, "before"));
+    put_heights(page, "all", 0, heights);
+    cJSON_ArrayForEach(row, cJSON_GetObjectItemCaseSensitive(heights, "rows"))
+        put_heights(page, "row", ++number, row);
     pl_markup_put(page, "</tbody></table></div></section>\n");
 }
 

@@ -156,6 +156,32 @@ static void add_target(pl_json *json, cJSON *root, const pl_job *job) {
     pl_json_checksum(json, root, "like_checksum", job->like.checksum);
 }
 
+/** Add what heights of a row of a layer are, over those that are wanted. */
+static void add_layer_row(document *json, cJSON *to, const planish_layer_row *row) {
+    add_integer(json, to, "edges", row->n);
+    add_real(json, to, "least", row->least);
+    add_real(json, to, "median", row->median);
+    add_real(json, to, "most", row->most);
+}
+
+/** Add the heights of layers, over those that are wanted; null: there are none, or nobody asked. */
+static void add_heights(document *json, cJSON *root, const pl_job *job, const pl_heights *heights) {
+    const planish_layer_heights *of = &heights->of;
+    if (!heights->is_known) {
+        add(json, root, "layer_heights", cJSON_CreateNull());
+        return;
+    }
+    cJSON *to = new_object(json, root, "layer_heights");
+    add_text(json, to, "wanted", job->arguments->like ? "like" : "before");
+    add_integer(json, to, "told_by_rows_inside", of->n_told);
+    add_integer(json, to, "held_nodes", job->wanted.n_held);
+    add_layer_row(json, to, &of->all);
+    add_layer_row(json, new_object(json, to, "before"), &of->reference);
+    cJSON *rows = new_array(json, to, "rows");
+    for (int i = 0; i < of->n_rows; i++)
+        add_layer_row(json, new_object(json, rows, NULL), &of->row[i]);
+}
+
 /** Add the gain of the worst elements; null: not asked for. */
 static void add_worst(pl_json *json, cJSON *root, const pl_job *job, const planish_result *smooth) {
     if (smooth->worst_sweeps == 0) {
@@ -237,6 +263,7 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
     if (!is_run)
         pl_json_add(&json, root, "compared", cJSON_CreateTrue());
     add_target(&json, root, job);
+    add_heights(&json, root, job, &result->heights);
     add_objective(&json, root, job, &result->smooth);
     void (*const add_state)(pl_json *, cJSON *, const char *, const pl_job *,
                             const planish_quality *, const pl_validity *, int64_t,
@@ -303,6 +330,7 @@ void pl_quality_report_add(pl_quality_report *report, const pl_job *job,
     pl_json_text(&json, mesh, "format", job->file_info.format);
     add_mesh(&json, mesh, job, measured->quality.n_reversed);
     add_target(&json, mesh, job);
+    add_heights(&json, mesh, job, &measured->heights);
     if (measured->cells.has_others)
         pl_result_add_cells(&json, mesh, job, measured);
     else

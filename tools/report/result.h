@@ -6,6 +6,7 @@
 #ifndef PL_TOOLS_RESULT_H
 #define PL_TOOLS_RESULT_H
 
+#include "job/heights.h"
 #include "job/progress.h"
 #include "report/measured.h"
 #include "report/picture.h"
@@ -29,6 +30,7 @@ typedef struct pl_result {
     int lacks_history; /* of the page: a message has said why */
     int lacks_reports; /* there was no memory for what reports need */
     char reason[1024]; /* why the end is not the plain one, or "" */
+    pl_heights heights; /* of layers, after */
 } pl_result;
 
 /** Whether first-order optimality was measured: there is more to it than a small gradient. */

@@ -159,6 +159,7 @@ void pl_table_compare(FILE *stream, const pl_job *job, const pl_result *result) 
     snprintf(text, sizeof text, "%" PRId64 " of %" PRId64 " nodes %s, by up to %.3g", n,
              job->mesh.n_nodes, n == 1 ? "differs" : "differ", result->smooth.max_displacement);
     pl_terminal_wrap(stream, text);
+    pl_heights_put(stream, job, &result->heights);
 }
 
 void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result) {
@@ -169,6 +170,7 @@ void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result) {
     pl_table_put_surface(stream, job, result);
     pl_table_put_onto(stream, job);
     put_end(stream, &result->smooth);
+    pl_heights_put(stream, job, &result->heights);
     put_worst(stream, job, &result->smooth);
     snprintf(text, sizeof text,
              "%.3f s: read %.3f, set up %.3f, smooth %.3f, write %.3f; %d thread%s",
@@ -190,6 +192,7 @@ void pl_table_quality(FILE *stream, const pl_job *job, const pl_measured *measur
         pl_table_put_cells(stream, job, cells);
         if (pl_like_has_sizes(&job->like))
             pl_table_rows_sizes(stream, NULL, &cells->sizes);
+        pl_heights_put(stream, job, &measured->heights);
         if (job->is_surface)
             pl_surface_print(stream, job);
         if (job->mesh.n_elements == 0)

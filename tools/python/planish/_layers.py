@@ -32,7 +32,7 @@ def take_layers(view: View, layers: Optional[str]) -> None:
         raise ValueError(f"layers must be hold, keep, ignore or None, not {layers!r}")
     if layers == "keep":
         _keep(view)
-    elif layers == KEEP_BY_TYPE and not view.has_targets and not view.mesh.n_periodic:
+    elif layers == KEEP_BY_TYPE and not view.has_targets:
         _keep_by_type(view)
     elif layers != "ignore":
         _hold(view, _chosen(view, layers == "hold"))

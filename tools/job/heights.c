@@ -1,0 +1,205 @@
+/* heights: what becomes of the heights of layers. */
+#include "job/heights.h"
+
+#include "options/combinations.h"
+#include "terminal/message.h"
+#include "terminal/terminal.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Changes above this part are much: of kept layers they are undone. Then nodes are held from the second
+ * part on: those beside would change more. */
+static const double MUCH = 0.1, HELD_FROM = 0.05;
+
+/* Changes are as percentages up to this many times the height. */
+static const double MOST_PERCENT = 10;
+
+/** Whether elements are to be like those of another mesh. */
+static int is_like(const pl_job *job) {
+    return job->arguments->like && job->like.place && !job->like.sizes.size &&
+           !job->like.sizes.metric;
+}
+
+/** Find the layers of the mesh of --like. */
+static int find_layers_there(pl_job *job) {
+    planish_mesh mesh;
+    planish_cells cells;
+    planish_error error;
+    int64_t n = 0;
+    int status = pl_job_layer_mesh(job, &cells, &mesh);
+    if (status)
+        return status;
+    uint8_t *mark = malloc((size_t)mesh.n_elements + 1);
+    if (!mark)
+        return pl_job_complain_memory(job, "values of elements");
+    mesh.coordinates = job->like.place;
+    if (mesh.n_elements > 0 && planish_find_layers(&mesh, job->options.threads, mark, &n, &error))
+        status = pl_job_complain(job, PL_EXIT_FAILED, &error);
+    if (n > 0)
+        job->wanted.is_layer = mark;
+    else
+        free(mark);
+    return status;
+}
+
+int pl_heights_begin(pl_job *job) {
+    const size_t size = (size_t)(job->mesh.n_nodes * job->mesh.dim) * sizeof *job->wanted.place;
+    if (!job->file || job->is_surface || !job->mesh.coordinates)
+        return 0;
+    if (is_like(job))
+        return find_layers_there(job);
+    if (!job->wanted.is_layer)
+        return 0;
+    job->wanted.place = malloc(size);
+    if (!job->wanted.place)
+        return pl_job_complain_memory(job, "places of nodes");
+    memcpy(job->wanted.place, job->mesh.coordinates, size);
+    return 0;
+}
+
+/** Compare heights; off [n_nodes]: as of planish_measure_layers. */
+static int measure(const pl_job *job, planish_layer_heights *heights, double *off) {
+    planish_mesh mesh;
+    planish_cells cells;
+    planish_error error;
+    const int status = pl_job_layer_mesh(job, &cells, &mesh);
+    if (status)
+        return status;
+    mesh.is_layer = job->wanted.is_layer ? job->wanted.is_layer : job->like.is_layer;
+    mesh.reference = job->wanted.place ? job->wanted.place : job->like.place;
+    mesh.size = mesh.metric = NULL;
+    return planish_measure_layers(&mesh, job->options.threads, heights, off, &error)
+               ? pl_job_complain(job, PL_EXIT_FAILED, &error)
+               : 0;
+}
+
+int pl_heights_measure(const pl_job *job, pl_heights *heights) {
+    *heights = (pl_heights){.is_known = 0};
+    if (!job->file || job->is_surface || (!job->wanted.place && !job->like.place) ||
+        (!job->wanted.is_layer && !job->like.is_layer))
+        return 0;
+    const int status = measure(job, &heights->of, NULL);
+    heights->is_known = !status && heights->of.all.n > 0;
+    return status;
+}
+
+/** Hold the nodes that are off, where the one that is off most is so by much; return how many are new. */
+static int64_t hold_nodes(pl_job *job, const double *off) {
+    const int64_t n_nodes = job->mesh.n_nodes;
+    double worst = 0;
+    int64_t n = 0;
+    for (int64_t i = 0; i < n_nodes; i++)
+        worst = fmax(worst, off[i]);
+    for (int64_t i = 0; worst > MUCH && i < n_nodes; i++)
+        if (off[i] > HELD_FROM && job->constraint[i] != PLANISH_CONSTRAINT_FIXED) {
+            job->in_layer[i] = 1;
+            job->constraint[i] = PLANISH_CONSTRAINT_FIXED;
+            n++;
+        }
+    return n;
+}
+
+int pl_heights_hold(pl_job *job, int64_t *n) {
+    const size_t n_nodes = (size_t)job->mesh.n_nodes + 1;
+    planish_layer_heights heights;
+    *n = 0;
+    if (!job->like.is_layer || !job->like.place)
+        return 0;
+    if (!job->in_layer)
+        job->in_layer = calloc(n_nodes, 1);
+    double *off = malloc(n_nodes * sizeof *off);
+    int status = off && job->in_layer ? 0 : pl_job_complain_memory(job, "heights of layers");
+    if (!status)
+        status = measure(job, &heights, off);
+    if (!status)
+        *n = hold_nodes(job, off);
+    job->wanted.n_held += *n;
+    free(off);
+    return status;
+}
+
+/** Write by how much a height is off: "+7.3 %", "x 14". */
+static void put_change(double ratio, char *text, size_t size) {
+    const double percent = 100 * (ratio - 1);
+    if (fabs(ratio) >= MOST_PERCENT)
+        snprintf(text, size, "x %.3g", ratio);
+    else
+        snprintf(text, size, fabs(percent) < 9.95 ? "%+.1f %%" : "%+.0f %%", percent);
+}
+
+/** Write by how much heights of a row are off: "-2 % .. +7.3 %". */
+static void put_row(const planish_layer_row *row, char *text, size_t size) {
+    char least[32], most[32];
+    put_change(row->least, least, sizeof least);
+    put_change(row->most, most, sizeof most);
+    snprintf(text, size, "%s .. %s", least, most);
+}
+
+/** What heights are compared with. */
+static const char *compared_with(const pl_job *job, const pl_heights *heights) {
+    return is_like(job)             ? "those in the mesh of --like"
+           : heights->of.n_told > 0 ? "those wanted"
+                                    : "those before";
+}
+
+void pl_heights_put(FILE *stream, const pl_job *job, const pl_heights *heights) {
+    const planish_layer_heights *of = &heights->of;
+    const int is_run = job->arguments->command != PL_COMMAND_QUALITY;
+    char all[80], first[80], median[32], text[400];
+    if (!heights->is_known || (!is_run && !is_like(job) && of->n_told == 0))
+        return;
+    put_row(&of->all, all, sizeof all);
+    put_row(&of->row[0], first, sizeof first);
+    put_change(of->all.median, median, sizeof median);
+    snprintf(text, sizeof text, "heights of layers: %s off %s, median %s; first row %s", all,
+             compared_with(job, heights), median, first);
+    pl_terminal_wrap(stream, text);
+    if (job->wanted.n_held > 0) {
+        snprintf(text, sizeof text,
+                 "%" PRId64 " %s held, as heights would change by more than %.0f %%.",
+                 job->wanted.n_held,
+                 job->wanted.n_held == 1 ? "node of layers is" : "nodes of layers are", 100 * MUCH);
+        pl_terminal_wrap(stream, text);
+    }
+    if (of->n_told == 0)
+        return;
+    put_row(&of->reference, all, sizeof all);
+    snprintf(text, sizeof text,
+             "A wall was moved: %" PRId64 " of %" PRId64
+             " heights are told by the rows inside; %s they were %s off.",
+             of->n_told, of->all.n, is_like(job) ? "in that mesh" : "before", all);
+    if (is_run || is_like(job))
+        pl_terminal_wrap(stream, text);
+}
+
+/** Find the row that is off most: by how much, and its number *row from 1. */
+static double find_worst(const planish_layer_heights *of, int *row) {
+    double worst = 0;
+    *row = 1;
+    for (int i = 0; i < of->n_rows; i++) {
+        const double off = fmax(1 - of->row[i].least, of->row[i].most - 1);
+        if (of->row[i].n > 0 && off > worst) {
+            worst = off;
+            *row = i + 1;
+        }
+    }
+    return worst;
+}
+
+void pl_heights_note(FILE *stream, const pl_job *job, const pl_heights *heights) {
+    char all[80];
+    int row;
+    if (!heights->is_known || !(find_worst(&heights->of, &row) > MUCH))
+        return;
+    put_row(&heights->of.all, all, sizeof all);
+    pl_note(stream, "heights of layers are %s off %s, most in row %d%s%s", all,
+            compared_with(job, heights), row, row == PLANISH_LAYER_ROWS ? " or above" : "",
+            is_like(job) ? ""
+            : heights->of.n_told > 0
+                ? ": --like FILE, the mesh before its wall moved, keeps them better"
+            : job->layers.n_kept == 0 ? ": --layers keep, or --fix-layers, keeps them"
+                                      : ": --layers hold keeps them all");
+}

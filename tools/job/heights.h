@@ -1,0 +1,40 @@
+/* heights: the heights of layers beside those that they are to have: those of the input, or of the mesh of
+ * --like.
+ *
+ *     pl_heights_begin       find out what they are compared with
+ *     pl_heights_measure     of the mesh as it is now
+ *     pl_heights_hold        nodes of kept layers whose heights have changed by much
+ *     pl_heights_put, _note  a line for a table; a note where they are off by much
+ *
+ * Functions that return an int return 0, or an exit status after a message.
+ */
+#ifndef PL_TOOLS_HEIGHTS_H
+#define PL_TOOLS_HEIGHTS_H
+
+#include "job/job.h"
+
+#include <stdio.h>
+
+/** Heights of layers. */
+typedef struct pl_heights {
+    int is_known; /* 0: there are no layers, or nothing is said of them */
+    planish_layer_heights of;
+} pl_heights;
+
+/** Take what heights are compared with, before nodes move. Layers have been counted (pl_layers_count). */
+int pl_heights_begin(pl_job *job);
+
+/** Measure the mesh as it is now. */
+int pl_heights_measure(const pl_job *job, pl_heights *heights);
+
+/** Hold the nodes of kept layers at heights that have changed by much, if there are any, in job->constraint;
+ *  not where a wall was moved. *n: how many nodes are new. */
+int pl_heights_hold(pl_job *job, int64_t *n);
+
+/** Put lines on heights, if they are known. */
+void pl_heights_put(FILE *stream, const pl_job *job, const pl_heights *heights);
+
+/** Say that heights have changed by much, and what keeps them. */
+void pl_heights_note(FILE *stream, const pl_job *job, const pl_heights *heights);
+
+#endif
