@@ -157,29 +157,29 @@ static void add_target(pl_json *json, cJSON *root, const pl_job *job) {
 }
 
 /** Add what heights of a row of a layer are, over those that are wanted. */
-static void add_layer_row(document *json, cJSON *to, const planish_layer_row *row) {
-    add_integer(json, to, "edges", row->n);
-    add_real(json, to, "least", row->least);
-    add_real(json, to, "median", row->median);
-    add_real(json, to, "most", row->most);
+static void add_layer_row(pl_json *json, cJSON *to, const planish_layer_row *row) {
+    pl_json_integer(json, to, "edges", row->n);
+    pl_json_real(json, to, "least", row->least);
+    pl_json_real(json, to, "median", row->median);
+    pl_json_real(json, to, "most", row->most);
 }
 
 /** Add the heights of layers, over those that are wanted; null: there are none, or nobody asked. */
-static void add_heights(document *json, cJSON *root, const pl_job *job, const pl_heights *heights) {
+static void add_heights(pl_json *json, cJSON *root, const pl_job *job, const pl_heights *heights) {
     const planish_layer_heights *of = &heights->of;
     if (!heights->is_known) {
-        add(json, root, "layer_heights", cJSON_CreateNull());
+        pl_json_add(json, root, "layer_heights", cJSON_CreateNull());
         return;
     }
-    cJSON *to = new_object(json, root, "layer_heights");
-    add_text(json, to, "wanted", job->arguments->like ? "like" : "before");
-    add_integer(json, to, "told_by_rows_inside", of->n_told);
-    add_integer(json, to, "held_nodes", job->wanted.n_held);
+    cJSON *to = pl_json_object(json, root, "layer_heights");
+    pl_json_text(json, to, "wanted", job->arguments->like ? "like" : "before");
+    pl_json_integer(json, to, "told_by_rows_inside", of->n_told);
+    pl_json_integer(json, to, "held_nodes", job->wanted.n_held);
     add_layer_row(json, to, &of->all);
-    add_layer_row(json, new_object(json, to, "before"), &of->reference);
-    cJSON *rows = new_array(json, to, "rows");
+    add_layer_row(json, pl_json_object(json, to, "before"), &of->reference);
+    cJSON *rows = pl_json_array(json, to, "rows");
     for (int i = 0; i < of->n_rows; i++)
-        add_layer_row(json, new_object(json, rows, NULL), &of->row[i]);
+        add_layer_row(json, pl_json_object(json, rows, NULL), &of->row[i]);
 }
 
 /** Add the gain of the worst elements; null: not asked for. */
