@@ -116,6 +116,7 @@ cat >play.js <<'END'
     const text = find('.step-text'), button = find('.play'), slider = find('.step');
     const caption = () => [...document.querySelectorAll('#picture .count')].pop().parentNode.textContent;
     say('last', text.textContent === 'after' && button.textContent === 'play' && slider.value === slider.max);
+    await set('.worse', 0); /* of all elements some always differ */
     const after = await set('.divider', 0), step = await set(slider, 1), name = text.textContent;
     say('step', step !== after && /^sweep \d+ of \d+$/.test(name) && find('.right').textContent === name);
     say('caption', caption().startsWith(name + ': '));
