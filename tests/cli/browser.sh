@@ -172,10 +172,12 @@ probe good.html start.js good start
 cat >paper.js <<'END'
     await frame();
     window.dispatchEvent(new Event('beforeprint'));
-    const paper = find('.view .paper'), {width, height} = paper || {};
-    const drawn = from => paper.getContext('2d').getImageData(from * width, 0, 0.4 * width, height).data
-        .filter((value, i) => i % 4 === 3 && value > 0).length;
-    say('paper', paper && drawn(0.05) > 10000 && drawn(0.55) > 10000);
+    const paper = find('.view .paper'), width = paper ? paper.width : 0;
+    const data = paper ? paper.getContext('2d').getImageData(0, 0, width, paper.height).data : [];
+    const drawn = [0, 0]; /* pixels of each half */
+    for (let i = 0; i < data.length; i += 4)
+        drawn[Math.floor(2 * (i / 4 % width) / width)] += data[i + 3] > 0;
+    say('paper', drawn.every(n => n > 10000));
     window.dispatchEvent(new Event('afterprint'));
     say('gone', !find('.view .paper') && !document.querySelector('.apart').checked);
 END
