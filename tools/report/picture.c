@@ -1,6 +1,7 @@
 /* picture: takes what a page draws of a mesh. */
 #include "report/picture.h"
 
+#include "report/bytes.h"
 #include "report/picture_state.h"
 #include "terminal/message.h"
 
