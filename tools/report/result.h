@@ -27,9 +27,9 @@ typedef struct pl_result {
     pl_surface_state surface;
     planish_result smooth;
     double smooth_seconds, write_seconds, total_seconds;
-    int lacks_history; /* of the page: a message has said why */
-    int lacks_reports; /* there was no memory for what reports need */
-    char reason[1024]; /* why the end is not the plain one, or "" */
+    int lacks_history;  /* of the page: a message has said why */
+    int lacks_reports;  /* there was no memory for what reports need */
+    char reason[1024];  /* why the end is not the plain one, or "" */
     pl_heights heights; /* of layers, after */
 } pl_result;
 
