@@ -63,7 +63,7 @@ def by_gmsh(folder, index, seed):
     names = list(recipes.RECIPES)
     name = names[index % len(names)]
     recipe = recipes.RECIPES[name]
-    order = 2 if recipe.has_second_order and (index // len(names)) % 3 == 2 else 1
+    order = 2 if not recipe.is_surface and (index // len(names)) % 3 == 2 else 1
     formats = SURFACE_FORMATS if recipe.is_surface else SECOND_FORMATS if order == 2 else SOLID_FORMATS
     kind = formats[(index * 7 + index // len(names)) % len(formats)]
     if recipe.only_triangles is False and kind.startswith("stl"):

@@ -154,7 +154,7 @@ def changed_numbers(before, after):
 
 
 def is_text(content):
-    return b"\0" not in content and b"\x80" not in content[:4096]
+    return b"\0" not in content
 
 
 def changes(path, before, after, points, moved):

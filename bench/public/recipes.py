@@ -14,7 +14,6 @@ class Recipe:
     build: object          # function of the random numbers; returns dimension and tags of the entities to mesh
     mesh: object           # function of the random numbers and the entities: what to set before meshing
     dim: int
-    has_second_order: bool = True
     is_surface: bool = False
     only_triangles: bool = True
 

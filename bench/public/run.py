@@ -84,6 +84,8 @@ def smooth(planish, path, way, seconds, folder):
         return row | judge.judge(path, target, said, way, status)
     except reading.NotRead as error:
         return row | {"not_judged": f"no other reader: {error}"}
+    except Exception as error:  # pylint: disable=broad-except # of one mesh: the others go on
+        return row | {"faults": [f"judge: {type(error).__name__}: {error}"]}
 
 
 def treat(planish, path, source, ways, seconds):
