@@ -54,6 +54,7 @@ ALLOWED = [
     ("tools/job/output", "src/io/file/", "names of the files of a mesh"),
     ("tools/job/angles", "src/geometry/", "angles"),
     ("tools/job/curved", "src/geometry/", "facets of a type"),
+    ("tools/job/unjoined", "src/geometry/", "facets of a type"),
     ("tools/report/drawn_surface", "src/topology/", "facets"),
     ("tools/report/drawn_surface", "src/geometry/", "facets of a type"),
     ("tools/report/drawn_inside", "src/geometry/", "facets of a type"),
