@@ -69,8 +69,8 @@ def read(path):
                 return mesh
             reasons.append("no elements")
         except (Exception, SystemExit) as error:  # pylint: disable=broad-except # readers fail in many ways
-            reasons.append(f"{type(error).__name__}: {error}".splitlines()[0][:80])
-    raise NotRead("; ".join(reasons))
+            reasons.append(type(error).__name__)
+    raise NotRead(f"{pathlib.Path(path).suffix}: {', '.join(reasons)}")
 
 
 def _by_meshio(path):
