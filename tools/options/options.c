@@ -549,9 +549,9 @@ static const pl_option option_table[] = {
      "file"},
     {0, "history", "K", SMOOTH, set_integer, AT(history), 3, 100,
      "must be a whole number from 3 to 100",
-     "with --report: let the HTML report play the smoothing,\n"
-     "as at most K states of the mesh, the first and the\n"
-     "last among them (default: these two alone)",
+     "with --report: let the page play the smoothing, as at\n"
+     "most K states of the mesh, the first and the last\n"
+     "among them (default: these two alone)",
      NULL},
     {0, "worst", "N", QUALITY, set_integer, AT(n_worst), 1, INT_MAX,
      "must be a whole number, 1 or more",

@@ -426,6 +426,13 @@ class Plan:
             direction=direction, untangle=untangle, max_sweeps=max_sweeps, tolerance=tolerance, time_limit=time_limit,
             progress=progress))
 
+    def renew(self) -> None:
+        """Make the plan anew, as its view is now, for modules of this package."""
+        with self._use():
+            library.planish_plan_destroy(self._plan)
+            self._plan = c_void_p()
+            call(library.planish_plan_create, byref(self._view.mesh), byref(self._options), byref(self._plan))
+
     def run(self, points: Any, choices: RunChoices) -> Result:
         """Smooth the mesh in place, with options of one run, for modules of this package."""
         options, result = self._options, Result()

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from ._choices import (Direction, Fix, Layers, Length, Method, Nodes, Objective, Path, PlanChoices, RunChoices,
                        Slide, WorstMeasure, layers_of_smooth)
+from ._heights import run_with_layers
 from ._plan import Plan
 from ._promises import promises_for
 from ._regions import BY_RULE
@@ -140,7 +141,7 @@ def _smooth(source: Source, choices: PlanChoices, run: RunChoices) -> Result:
         return surface.run(source, choices, run)
     with Plan.of_choices(source, layers_of_smooth(choices, run)) as plan:
         promises = promises_for(plan, choices, run)
-        result = plan.run(None, run)
+        result = run_with_layers(plan, run)
         if promises is not None:
             promises.keep(result)
         if plan.fit is not None:

@@ -82,6 +82,28 @@ class CellValueArrays(Structure):
 
 
 @fields
+class LayerRow(Structure):
+    """planish_layer_row."""
+
+    n: Int64
+    least: Double
+    median: Double
+    most: Double
+
+
+@fields
+class LayerHeights(Structure):
+    """planish_layer_heights."""
+
+    all: Annotated[LayerRow, LayerRow]
+    reference: Annotated[LayerRow, LayerRow]
+    n_told: Int64
+    n_rows: Int
+    row: Annotated[Any, LayerRow * 32]
+    reserved: Annotated[Any, c_double * 2]
+
+
+@fields
 class Surface(Structure):
     """planish_surface."""
 
