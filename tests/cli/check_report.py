@@ -23,7 +23,8 @@ MESH = {"dimension": int, "plane": (dict, type(None)), "nodes": int, "elements":
 VOLUMES = {"min_volume": (int, float, type(None)), "unfixable": list, "below_min": list,
            "reversed": list, "wrapped": list}
 SMOOTH = {
-    "planish": str, "input": str, "output": str, "format": str, "mesh": MESH, "target": str, "method": str,
+    "planish": str, "input": str, "output": str, "format": str, "mesh": MESH, "target": str, "layer_heights": (dict, type(None)),
+    "method": str,
     "objective": {"name": str, "area_weight": NUMBER, "size_weight": NUMBER, "before": NUMBER, "after": NUMBER},
     "before": QUALITY, "after": QUALITY, "sweeps": list, "untangling_sweeps": int, "stop": str,
     "certified": bool, "input_checksum": str, "checksum": str, "max_displacement": NUMBER,
@@ -78,7 +79,8 @@ def same(a, b):
 
 smooth, quality, printed = (json.load(open(name)) for name in sys.argv[1:4])
 check(smooth, SMOOTH, "smooth")
-assert set(quality) == {"planish", "input", "format", "mesh", "target", "quality", "checksum", "surface", *VOLUMES}
+assert set(quality) == {"planish", "input", "format", "mesh", "target", "layer_heights", "quality", "checksum", "surface",
+                        *VOLUMES}
 check(quality, {"mesh": MESH, "quality": QUALITY, **VOLUMES}, "quality")
 
 before, after, mesh = smooth["before"], smooth["after"], smooth["mesh"]

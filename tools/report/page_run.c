@@ -102,8 +102,13 @@ static void put_heights(pl_markup *page, const char *name, int number, const cJS
     pl_markup_put(page, "</th><td>");
     pl_markup_put_count(page, pl_figure_count(of, "edges"));
     pl_markup_put(page, "</td>");
-    for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
-        pl_markup_put(page, "<td>%+.3g&#8239;%%</td>", 100 * (pl_figure(of, keys[i]) - 1));
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) {
+        const double off = 100 * (pl_figure(of, keys[i]) - 1);
+        if (isnan(off))
+            pl_markup_put(page, "<td>-</td>");
+        else
+            pl_markup_put(page, "<td>%+.3g&#8239;%%</td>", off);
+    }
     pl_markup_put(page, "</tr>\n");
 }
 
