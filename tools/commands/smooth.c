@@ -188,6 +188,8 @@ int pl_smooth_by(const pl_arguments *arguments, const pl_engine *engine) {
     int status = pl_output_check_all(arguments);
     if (status)
         return status;
+    pl_signals_set_input(arguments->input); /* before anything is shown that a signal would clear */
+    pl_signals_set_before_smoothing(1);
     pl_progress_init(&progress, arguments);
     pl_progress_stage(&progress, PL_STAGE_READING);
     status = pl_job_read(&job, arguments, engine);

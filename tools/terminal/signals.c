@@ -68,14 +68,18 @@ void pl_signals_set_before_smoothing(int is_before) {
 }
 
 void pl_signals_set_input(const char *path) {
+    char name[PL_INPUT_NAME_SIZE] = "";
+    atomic_store(&status_now, PL_EXIT_FAILED); /* of several meshes the next one is not written */
+    if (path) {
+        snprintf(name, sizeof name, "%s", path);
+        pl_text_clean(name);
+        if (atomic_load(&input_is_named) && strcmp(name, input_name) == 0)
+            return; /* no moment without a name */
+    }
     atomic_store(&input_is_named, 0);
     atomic_store(&is_before_smoothing, 0);
-    atomic_store(&status_now, PL_EXIT_FAILED); /* of several meshes the next one is not written */
-    if (!path)
-        return;
-    snprintf(input_name, sizeof input_name, "%s", path);
-    pl_text_clean(input_name);
-    atomic_store(&input_is_named, 1);
+    memcpy(input_name, name, sizeof input_name);
+    atomic_store(&input_is_named, path != NULL);
 }
 
 void pl_signals_end_shorter(void) {
