@@ -198,10 +198,10 @@ expect_json '0.9 <= r["layer_heights"]["least"] and r["layer_heights"]["most"] <
 expect_json 'r["after"]["rms_aspect_ratio"] < r["before"]["rms_aspect_ratio"] and r["mesh"]["free_layer_elements"] == 0'
 expect_json 'r["after"]["max_aspect_ratio_movable"] <= r["before"]["max_aspect_ratio_movable"] * (1 + 1e-9)'
 grep -q "nodes of layers are held, as heights would change by more than 10 %" out || fail "the table says what is held"
+expect_text "are thin in layers, and keep their heights"
 expect_status 0 "$program" smooth mixed.mesh -o told.mesh -q -j 2
 cmp -s out.mesh told.mesh || fail "what is told, and threads, change the bits"
 below "$(python3 heights.py prisms out.mesh 12)" 0.1 || fail "mixed: all heights $(python3 heights.py prisms out.mesh 12)"
-expect_text "are thin in layers, and keep their heights"
 below "$(python3 heights.py prisms out.mesh 4)" 0.1 || fail "mixed: heights $(python3 heights.py prisms out.mesh 4)"
 expect_status 0 "$program" smooth mixed.mesh -o out.mesh --layers hold --json report.json
 expect_json 'r["target"] == "regular" and r["mesh"]["held_layer_elements"] == r["mesh"]["layer_elements"] > 1640'

@@ -234,10 +234,7 @@ void pl_layers_print(FILE *stream, const pl_job *job) {
         return;
     }
     print_default(stream, job);
-    /* The command quality does not know which nodes of all elements move. */
-    const int64_t n = layers->is_tangled && job->arguments->command == PL_COMMAND_QUALITY
-                          ? layers->n
-                          : layers->n_loose;
+    const int64_t n = layers->is_tangled ? layers->n : layers->n_loose;
     put_count(job, n, count, sizeof count);
     if (pl_layers_are_many(n, count_elements(job)) && layers->is_tangled)
         pl_note(stream,
