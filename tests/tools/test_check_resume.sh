@@ -38,7 +38,8 @@ check() (
     resume=$1
     rm -f build-ran
     mkdir -p build-a
-    begin_record "$record"
+    record=build-check/passed
+    begin_record $record
     step first touch build-ran
     step second false
     run_tests build-a --fast
@@ -64,3 +65,13 @@ check 1 >build-out
 expect "there is a new source" "2 passed, 2 failed" "good bad "
 full=1 check 1 >build-out
 expect "more is checked" "2 passed, 2 failed" "good bad "
+
+# Other scripts have steps, too, but no record.
+(
+    # shellcheck source=tools/check-steps.sh
+    . "$source_dir/tools/check-steps.sh"
+    step first false
+    step first true
+    finish 0
+) >build-out && fail "a failure is a success"
+[ "$(tail -n 1 build-out)" = "1 passed, 1 failed" ] || fail "steps without a record: $(cat build-out)"
