@@ -160,10 +160,20 @@ static void add_values(exodus_out *e, const out_dims *d) {
                 OUT_ELEMENT_VALUES, i, b);
 }
 
+/** Make room for the dimensions and variables of blocks and sets, of which there may be very many. */
+static void reserve(exodus_out *e) {
+    enum { OTHERS = 64 };
+    const int64_t blocks = e->mesh.n_blocks, of_nodes = e->mesh.sets[0].n,
+                  of_sides = e->mesh.sets[1].n;
+    netcdf_out_reserve(&e->file, OTHERS + 2 * blocks + of_nodes + of_sides,
+                       OTHERS + blocks + of_nodes + 2 * of_sides);
+}
+
 static void describe(exodus_out *e) {
     enum { LARGE = 1 }; /* each coordinate is a variable of its own */
     static const float version = 5.14f;
     netcdf_out *file = &e->file;
+    reserve(e);
     netcdf_out_float(file, "api_version", version);
     netcdf_out_float(file, "version", version);
     netcdf_out_integer(file, "floating_point_word_size", e->is_float ? 4 : 8);

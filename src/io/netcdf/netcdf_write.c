@@ -171,6 +171,14 @@ static void check_appended(netcdf_out *out, const void *appended) {
         out->writer.status = pl_fail_memory(out->writer.error, "the header of the file");
 }
 
+void netcdf_out_reserve(netcdf_out *out, int64_t n_dims, int64_t n_variables) {
+    out->dim = pl_alloc(n_dims, sizeof *out->dim);
+    out->variable = pl_alloc(n_variables, sizeof *out->variable);
+    out->dim_capacity = out->dim ? n_dims : 0;
+    out->variable_capacity = out->variable ? n_variables : 0;
+    check_appended(out, out->variable ? out->dim : NULL);
+}
+
 int netcdf_out_dimension(netcdf_out *out, const char *name, int64_t length) {
     netcdf_out_dim dim = {.length = length};
     strncpy(dim.name, name, sizeof dim.name - 1);

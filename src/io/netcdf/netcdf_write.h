@@ -66,6 +66,10 @@ void netcdf_out_begin(netcdf_out *out, pl_output *output, planish_error *error);
 /** Write waiting bytes, and release. Return the status of all that was written. */
 int netcdf_out_end(netcdf_out *out);
 
+/** Make room for so many dimensions and variables in a file that has none yet: room that grows takes more
+ *  memory. */
+void netcdf_out_reserve(netcdf_out *out, int64_t n_dims, int64_t n_variables);
+
 /** Add a dimension; length 0: the one of records. Return its index. */
 int netcdf_out_dimension(netcdf_out *out, const char *name, int64_t length);
 
