@@ -51,8 +51,8 @@ static const io_view_type plane_types[] = {{PLANISH_CELL_TRIANGLE, "CPS3", 0},
 /** Put a name between quotes, as it has to be where there are blanks. */
 static void put_name(io_writer *writer, const char *name) {
     io_put_text(writer, "\"");
-    for (const char *c = name; *c; c++)
-        io_put_bytes(writer, *c == '"' || (unsigned char)*c < ' ' ? "_" : c, 1);
+    for (int i = 0; i < IO_VIEW_MOST_NAME && name[i]; i++)
+        io_put_bytes(writer, name[i] == '"' || (unsigned char)name[i] < ' ' ? "_" : name + i, 1);
     io_put_text(writer, "\"");
 }
 
