@@ -7,6 +7,7 @@
 #include "support/delaunay.h"
 #include "support/effort.h"
 #include "support/promises.h"
+#include "support/run.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -47,25 +48,8 @@ static void expect(const trial *t, int holds, const char *what) {
         complain(t, what);
 }
 
-/* ---- kernels that this machine lacks ------------------------------------------------------- */
-
-static int has_isa(int isa) {
-    static const double x[] = {0, 0, 1, 0, 0, 1};
-    static const int32_t nodes[] = {0, 1, 2};
-    const planish_mesh mesh = {
-        .dim = 2, .n_nodes = 3, .n_elements = 1, .coordinates = x, .elements = nodes};
-    planish_options options;
-    planish_plan *plan;
-    planish_options_init(&options);
-    options.isa = (planish_isa)isa;
-    if (planish_plan_create(&mesh, &options, &plan, NULL))
-        return 0;
-    planish_plan_destroy(plan);
-    return 1;
-}
-
 static int is_allowed(int a, int level_a, int b, int level_b) {
-    if ((a == OF_ISA && !has_isa(level_a)) || (b == OF_ISA && !has_isa(level_b)))
+    if ((a == OF_ISA && !test_has_isa(level_a)) || (b == OF_ISA && !test_has_isa(level_b)))
         return 0;
     return random_levels_allowed(a, level_a, b, level_b);
 }
@@ -150,7 +134,7 @@ static void run_case(int64_t number, tally *sums) {
     planish_error error = {.text = ""};
     trial t = {.number = number, .sums = sums};
     pairs_draw(&sums->seen, &state, level);
-    if (!has_isa(level[OF_ISA]))
+    if (!test_has_isa(level[OF_ISA]))
         level[OF_ISA] = PLANISH_ISA_AUTO;
     random_call_create(&t.call, level, random_call_points(level, POINTS, &state), &state);
     make_room(&t);
@@ -231,8 +215,8 @@ static void repeat_case(int64_t number, tally *sums) {
     sums->moved += first.n_moved_nodes;
     for (int i = 1; i < THREADS + repetitions; i++) {
         const int isa = (int)random_below(&state, PLANISH_ISA_AVX512 + 1);
-        repeat(&t, i < THREADS ? threads[i] : 3, has_isa(isa) ? (planish_isa)isa : PLANISH_ISA_AUTO,
-               &other);
+        repeat(&t, i < THREADS ? threads[i] : 3,
+               test_has_isa(isa) ? (planish_isa)isa : PLANISH_ISA_AUTO, &other);
         expect_same(&t, &first, &other);
     }
     random_call_destroy(&t.call);

@@ -7,6 +7,7 @@
 #include "support/cell_judge.h"
 #include "support/effort.h"
 #include "support/random_cells.h"
+#include "support/run.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -288,26 +289,11 @@ static void smooth_otherwise(trial *t, uint64_t *state) {
     free(first);
 }
 
-static int has_isa(int isa) {
-    static const double x[] = {0, 0, 1, 0, 0, 1};
-    static const int32_t nodes[] = {0, 1, 2};
-    const planish_mesh mesh = {
-        .dim = 2, .n_nodes = 3, .n_elements = 1, .coordinates = x, .elements = nodes};
-    planish_options options;
-    planish_plan *plan;
-    planish_options_init(&options);
-    options.isa = (planish_isa)isa;
-    if (planish_plan_create(&mesh, &options, &plan, NULL))
-        return 0;
-    planish_plan_destroy(plan);
-    return 1;
-}
-
 static void do_case(tally *sums, int64_t number) {
     uint64_t state = effort_seed((uint64_t)number);
     int level[N_CELLS_FACTORS];
     pairs_draw(&sums->seen, &state, level);
-    if (!has_isa(level[CELLS_ISA]))
+    if (!test_has_isa(level[CELLS_ISA]))
         level[CELLS_ISA] = PLANISH_ISA_AUTO;
     trial t = {.number = number, .call = cells_call_create(level, &state), .sums = sums};
     const size_t n = (size_t)(t.call->given.n_nodes * t.call->given.dim) + 1;
