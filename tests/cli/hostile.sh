@@ -95,7 +95,7 @@ for file in refused_* read_* choose_*; do
     rm -f out err
 done
 for file in convert_*; do
-    expect_status 0 "${frugal[@]}" "$program" quality "$file" # the tags of all regions
+    expect_status 0 bash -c 'ulimit -t 60; exec "$@"' limited "$program" quality "$file" # tags of all regions
     for to in exodus gmsh gmsh22 abaqus nastran medit vtu vtk; do
         expect_status 0 "${frugal[@]}" "$program" convert "$file" -o "result.$to" --to "$to" -q
         [ "$(stat -c %s "result.$to")" -lt 100000000 ] || fail "$file as $to: $(stat -c %s "result.$to") bytes"

@@ -8,11 +8,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { TAG_SIZE = 160 }; /* names of Gmsh's have at most 127 bytes */
+enum { TAG_SIZE = 128 }; /* Gmsh's names have at most 127 bytes: longer ones are cut */
 
 /** A region, and the tag of its first element: the name or number of a physical group. */
 typedef struct tagged {
-    char tag[TAG_SIZE];
+    const char *tag;
     int32_t region;
 } tagged;
 
@@ -22,34 +22,65 @@ static int compare_tags(const void *a, const void *b) {
     return order ? order : (p->region > q->region) - (p->region < q->region);
 }
 
+/** Return the bytes that the tag of an element's region takes, cut if it is long. */
+static size_t tag_size(const pl_job *job, int64_t element) {
+    const size_t size = (size_t)planish_file_element_region(job->file, element, NULL, 0) + 1;
+    return size < TAG_SIZE ? size : TAG_SIZE;
+}
+
+/** Find the first elements of regions: element [n_regions], -1 of those that have none. Returns the bytes that
+ *  their tags take. */
+static size_t find_first(const pl_job *job, const int32_t *region, int32_t n_regions,
+                         int64_t *element) {
+    size_t size = 0;
+    for (int32_t i = 0; i < n_regions; i++)
+        element[i] = -1;
+    for (int64_t i = 0; i < job->mesh.n_elements; i++)
+        if (element[region[i]] < 0) {
+            element[region[i]] = i;
+            size += tag_size(job, i);
+        }
+    return size;
+}
+
+/** List the regions that have elements: list [n_regions], their tags in text. Returns how many there are. */
+static int32_t list_tags(const pl_job *job, const int64_t *element, int32_t n_regions, char *text,
+                         tagged *list) {
+    int32_t n = 0;
+    for (int32_t i = 0; i < n_regions; i++) {
+        if (element[i] < 0)
+            continue;
+        const size_t size = tag_size(job, element[i]);
+        planish_file_element_region(job->file, element[i], text, size);
+        list[n++] = (tagged){text, i};
+        text += size;
+    }
+    return n;
+}
+
 /** Fill group [n_regions] with one number for all regions of a tag. Returns whether any regions share one, or
  *  -1: there is no memory. */
 static int group_regions(const pl_job *job, const int32_t *region, int32_t n_regions,
                          int32_t *group) {
-    tagged *list = calloc((size_t)n_regions + 1, sizeof *list);
+    int64_t *element = malloc(((size_t)n_regions + 1) * sizeof *element);
+    tagged *list = malloc(((size_t)n_regions + 1) * sizeof *list);
+    const size_t size = element ? find_first(job, region, n_regions, element) : 0;
+    char *text = malloc(size + 1);
+    const int has_memory = element && list && text;
     int is_shared = 0;
-    if (!list)
-        return -1;
-    for (int32_t i = 0; i < n_regions; i++)
-        list[i].region = group[i] = -1;
-    for (int64_t i = 0; i < job->mesh.n_elements; i++) {
-        tagged *of = &list[region[i]];
-        if (of->region >= 0)
-            continue;
-        of->region = region[i];
-        planish_file_element_region(job->file, i, of->tag, sizeof of->tag);
-    }
-    qsort(list, (size_t)n_regions, sizeof *list, compare_tags);
-    for (int32_t i = 0, first = 0; i < n_regions; i++) {
-        if (list[i].region < 0)
-            continue;
+    const int32_t n = has_memory ? list_tags(job, element, n_regions, text, list) : 0;
+    if (n > 0)
+        qsort(list, (size_t)n, sizeof *list, compare_tags);
+    for (int32_t i = 0, first = 0; i < n; i++) {
         if (!list[i].tag[0] || strcmp(list[i].tag, list[first].tag) != 0)
             first = i;
         is_shared |= first < i;
         group[list[i].region] = first;
     }
+    free(element);
     free(list);
-    return is_shared;
+    free(text);
+    return has_memory ? is_shared : -1;
 }
 
 /** Mark the corners between regions: bit 0 between those of one group, bit 1 between others. first and mark
