@@ -37,6 +37,18 @@ check_page quality.html quality.json tangled.mesh
 expect_status 0 "$program" report quality.json -o again.html
 cmp quality.html again.html || fail "the page of quality's JSON"
 
+# Sweeps and inverted elements are counted in whole numbers, also where they are few.
+python3 "$cli/make_mesh.py" 3 0.5 few.mesh
+expect_status 0 "$program" smooth few.mesh -o smooth.mesh --max-sweeps 1 --report few.html --json few.json -q
+python3 - <<'END' || fail "the axes of few sweeps and inverted elements"
+import json, re
+assert 0 < json.load(open("few.json"))["before"]["inverted"] < 10
+sweeps, inverted = re.findall("<figure><h3>(?:By sweep|Inverted).*?</figure>", open("few.html").read(), re.S)
+below, beside = ('class="%s"[^>]*>([0-9.e+-]+)<' % word for word in ("middle", "end"))
+ticks = re.findall(below, sweeps) + re.findall(below, inverted) + re.findall(beside, inverted)
+assert len(ticks) >= 5 and all(tick.isdigit() for tick in ticks), ticks
+END
+
 # A page by itself has the same figures; the first ones of a long list.
 expect_status 0 "$program" smooth tangled.mesh -o smooth.mesh --slide auto --report alone.html -q
 checksum=$(python3 -c "import json; print(json.load(open('run.json'))['checksum'])")
