@@ -124,6 +124,11 @@ cat >folded.js <<'END'
     say('few', inverted > 50 && inverted < 0.01 * drawn);
     say('some', inverted > 0.01 * drawn && inverted < 0.2 * drawn);
 END
+for mesh in folded wrapped; do # a line of the still picture is for each run of pixels
+    sed -n 's/.*<path stroke="#d600c8" d="\([^"]*\)".*/\1/p' $mesh.html | tr M '\n' | sed -n 's/.*h//p' >$mesh.runs
+done
+[ -s wrapped.runs ] && ! grep -q '[0-9][0-9]' wrapped.runs && grep -q '[0-9][0-9]' folded.runs ||
+    fail "inverted elements of still pictures"
 probe folded.html folded.js some
 probe wrapped.html folded.js few
 
