@@ -108,7 +108,7 @@ count() {
 # run_tests FOLDER CTEST-OPTION...: all tests of a tree; adds up the counts. A test that neither
 # passed nor said itself that it cannot run here has failed.
 run_tests() {
-    local folder=$1 report=$1/tests.xml log=$1/tests.log all good out before left=() begin=$SECONDS
+    local folder=$1 report=$1/tests.xml log=$1/tests.log all good out before status left=() begin=$SECONDS
     shift
     echo "== testing $folder"
     alone ctest --test-dir "$folder" --parallel "$jobs" --output-on-failure "$@"
@@ -122,11 +122,12 @@ run_tests() {
     rm -f "$report"
     ctest --test-dir "$folder" --parallel "$jobs" --output-on-failure --output-junit "$PWD/$report" "$@" \
         "${left[@]}" | tee -a "$log"
+    status=${PIPESTATUS[0]}
     echo "   took $((SECONDS - begin)) s"
     all=$(count '<testcase ' "$report")
     good=$(count '<testcase .*status="run"' "$report")
     out=$(count '<skipped message="SKIP_' "$report")
-    if [ "${all:-0}" -eq 0 ] && [ -z "$before" ]; then
+    if [ "${all:-0}" -eq 0 ] && { [ -z "$before" ] || [ "$status" -ne 0 ]; }; then
         echo "FAILED: no test was run in $folder"
         failed=$((failed + 1))
         return 1

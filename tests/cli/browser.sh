@@ -87,6 +87,51 @@ END
 probe solid.html solid.js drawn divider measure legend cut place uncut keys
 probe large.html solid.js drawn divider legend cut place uncut keys
 
+# Inverted elements of a plane mesh are seen though others lie over them; not those that wrap around all others.
+# A grid of triangles: the node in the middle is at x, and the nodes on the right are those on the left if it is periodic.
+make_grid() { # X PERIODIC
+    python3 - "$@" <<'END'
+import sys
+x, columns = float(sys.argv[1]), 8 if sys.argv[2] == "1" else 9
+print("MeshVersionFormatted 2 Dimension 2 Vertices", 9 * columns)
+for j in range(9):
+    for i in range(columns):
+        print(x if (i, j) == (4, 4) else i, j, 0)
+print("Triangles 128")
+for j in range(8):
+    for i in range(8):
+        a, b = j * columns + i + 1, j * columns + (i + 1) % columns + 1
+        print(a, b, b + columns, 1, a, b + columns, a + columns, 1)
+print("End")
+END
+}
+make_grid 7 0 >folded.mesh
+make_grid 4 1 >wrapped.mesh
+for mesh in folded wrapped; do
+    expect_status 0 "$program" quality $mesh.mesh --report $mesh.html -q
+done
+cat >folded.js <<'END'
+    await set('.worse', 0);
+    const canvas = find('canvas'), copy = document.createElement('canvas'), context = copy.getContext('2d');
+    Object.assign(copy, {width: canvas.width, height: canvas.height});
+    context.drawImage(canvas, 0, 0);
+    const data = context.getImageData(0, 0, copy.width, copy.height).data;
+    let drawn = 0, inverted = 0; /* pixels */
+    for (let i = 0; i < data.length; i += 4) {
+        drawn += data[i + 3] > 0;
+        inverted += data[i] > 200 && data[i + 1] < 20 && data[i + 2] > 180;
+    }
+    say('few', inverted > 50 && inverted < 0.01 * drawn);
+    say('some', inverted > 0.01 * drawn && inverted < 0.2 * drawn);
+END
+for mesh in folded wrapped; do # a line of the still picture is for each run of pixels
+    sed -n 's/.*<path stroke="#d600c8" d="\([^"]*\)".*/\1/p' $mesh.html | tr M '\n' | sed -n 's/.*h//p' >$mesh.runs
+done
+[ -s wrapped.runs ] && ! grep -q '[0-9][0-9]' wrapped.runs && grep -q '[0-9][0-9]' folded.runs ||
+    fail "inverted elements of still pictures"
+probe folded.html folded.js some
+probe wrapped.html folded.js few
+
 # Bins of a histogram select elements: by lists, and by dragging over its drawing.
 cat >brush.js <<'END'
     const figure = find('figure[data-measure=angle_histogram]'), counts = figure.dataset.counts.split(';');

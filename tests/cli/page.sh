@@ -37,6 +37,43 @@ check_page quality.html quality.json tangled.mesh
 expect_status 0 "$program" report quality.json -o again.html
 cmp quality.html again.html || fail "the page of quality's JSON"
 
+# Sweeps and inverted elements are counted in whole numbers, also where they are few.
+python3 "$cli/make_mesh.py" 3 0.5 few.mesh
+expect_status 0 "$program" smooth few.mesh -o smooth.mesh --max-sweeps 1 --report few.html --json few.json -q
+python3 - <<'END' || fail "the axes of few sweeps and inverted elements"
+import json, re
+assert 0 < json.load(open("few.json"))["before"]["inverted"] < 10
+sweeps, inverted = re.findall("<figure><h3>(?:By sweep|Inverted).*?</figure>", open("few.html").read(), re.S)
+below, beside = ('class="%s"[^>]*>([0-9.e+-]+)<' % word for word in ("middle", "end"))
+ticks = re.findall(below, sweeps) + re.findall(below, inverted) + re.findall(beside, inverted)
+assert len(ticks) >= 5 and all(tick.isdigit() for tick in ticks), ticks
+END
+
+# Ratios of other valid elements than before are not compared; negative values have no percentages.
+python3 "$cli/types_mesh.py" block hexahedron 4 0.3 block.vtk
+expect_status 0 "$program" smooth block.vtk -o block_out.vtk --json block.json -q
+python3 - <<'END'
+import json
+result = json.load(open("block.json"))
+for name, left in ("fewer", 1), ("same", 3):
+    for state, inverted, least in ("before", 3, -0.4), ("after", left, -0.2):
+        result[state].update(inverted=inverted, inverted_inside=inverted, curved=9, min_jacobian_ratio=least)
+    json.dump(result, open(name + ".json", "w"))
+END
+for name in fewer same; do
+    expect_status 0 "$program" report $name.json -o $name.html
+done
+python3 - <<'END' || fail "changes of aspect ratios and negative values"
+import re
+rows = lambda page: re.findall('<tr[^>]*><th scope="row">([^<]*)</th>(.*?)</tr>', open(page).read())
+words = lambda page, name: re.findall('<td class="(?:change|word[^"]*)">(.*?)</td>', dict(rows(page)[::-1])[name])
+assert words("same.html", "RMS aspect ratio")[1] == "better"
+assert words("fewer.html", "RMS aspect ratio") == ["", ""]
+assert words("same.html", "least Jacobian coefficient / mean, curved elements") == ["", "better"]
+names = [name for name, _ in rows("fewer.html")]
+assert names[:2] == ["inverted elements", "though their corners are right"], names
+END
+
 # A page by itself has the same figures; the first ones of a long list.
 expect_status 0 "$program" smooth tangled.mesh -o smooth.mesh --slide auto --report alone.html -q
 checksum=$(python3 -c "import json; print(json.load(open('run.json'))['checksum'])")

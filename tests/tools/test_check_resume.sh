@@ -19,6 +19,7 @@ git add . && git commit -qm one
 # Stand-in for ctest: of the tests good and bad, the latter fails; it says which ones it was to run.
 ctest() {
     local test status
+    [ ! -e build-dies ] || return 137
     : >build-report
     for test in good bad; do
         [[ " $* " == *"^($test)"* ]] && continue
@@ -55,6 +56,10 @@ expect "at first" "2 passed, 2 failed" "good bad "
 check 1 >build-out && fail "a failure is a success"
 expect "resumed" "2 passed, 2 failed" "bad "
 [ "$(grep -c 'passed before' build-out)" = 2 ] || fail "$(cat build-out)"
+touch build-dies
+check 1 >build-out && fail "a failure is a success"
+[ "$(tail -n 1 build-out)" = "2 passed, 2 failed" ] || fail "tests that were ended: $(cat build-out)"
+rm build-dies
 check 0 >build-out
 expect "anew" "2 passed, 2 failed" "good bad "
 echo two >>source

@@ -130,6 +130,7 @@ static const double SMALLEST = 1e-100;
 typedef struct scale {
     double low, high;
     int logarithmic;
+    double step; /* between ticks at least */
 } scale;
 
 static double place(const scale *s, double value) {
@@ -147,6 +148,7 @@ static void put_even_ticks(pl_markup *page, const scale *s, double origin, doubl
     double step = pow(10, floor(log10(range / MOST_TICKS))); /* 1, 2, 5, 10 ... */
     while (range / step > MOST_TICKS)
         step *= range / step > 5 * MOST_TICKS ? 10 : range / step > 2 * MOST_TICKS ? 5 : 2;
+    step = fmax(step, s->step);
     const double first = ceil(s->low / step - 1e-9);
     const double to_tell = log10(fmax(fabs(s->high), step) / step) + 2; /* digits, ticks apart */
     const int digits = to_tell > DIGITS ? (int)to_tell : DIGITS;
@@ -172,7 +174,7 @@ static int is_drawn(double y) {
 
 /** The range of all values, somewhat widened. */
 static scale find_range(const pl_curves *c) {
-    scale s = {INFINITY, 0, 1};
+    scale s = {INFINITY, 0, 1, 0};
     for (int k = 0; k < c->n_series; k++)
         for (int64_t i = 0; i < c->n; i++)
             if (is_drawn(c->y[k][i])) {
@@ -180,11 +182,11 @@ static scale find_range(const pl_curves *c) {
                 s.high = fmax(s.high, c->y[k][i]);
             }
     if (s.high == 0)
-        return (scale){1, 2, 1};
+        return (scale){1, 2, 1, c->y_step};
     if (s.high / s.low < 1 + 1e-6) /* all but the same: a range that shows it as a line */
-        s = (scale){s.low * 0.99, s.high * 1.01, 1};
+        s = (scale){s.low * 0.99, s.high * 1.01, 1, 0};
     const double margin = pow(s.high / s.low, 0.06);
-    return (scale){c->floor > 0 ? c->floor : s.low / margin, s.high * margin, 1};
+    return (scale){c->floor > 0 ? c->floor : s.low / margin, s.high * margin, 1, c->y_step};
 }
 
 /** Shade stretches of points whose phase is not the plain one, unless they are too narrow. */
@@ -229,7 +231,7 @@ static void put_curve(pl_markup *page, const pl_curves *c, const scale *x, const
 void pl_chart_curves(pl_markup *page, const pl_curves *c) {
     const scale y = find_range(c);
     const double end = c->n > 0 ? c->x[c->n - 1] : 0;
-    const scale x = {0, end > SMALLEST ? end : 1, 0};
+    const scale x = {0, end > SMALLEST ? end : 1, 0, c->x_step};
     begin_drawing(page, c->title);
     put_phases(page, c, &x);
     if (y.high / y.low < 20)

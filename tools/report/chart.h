@@ -46,6 +46,7 @@ typedef struct pl_curves {
     const char *name[PL_CHART_MOST_SERIES];
     const char *const *phase; /* [n] name of the phase that led to the point, or NULL */
     double floor;             /* where the axis of the values begins; 0: below the smallest */
+    double x_step, y_step;    /* between ticks of the axes at least; 1: of whole numbers */
 } pl_curves;
 
 /** Draw them with a logarithmic axis for the values. */

@@ -250,14 +250,17 @@ static void put_label(pl_markup *page, const pl_figures *figures, const char *na
 /** Put the place of the view, with still pictures until the viewer takes it. */
 static void put_view(pl_markup *page, const pl_figures *figures, const pl_picture *picture) {
     const int n = pl_picture_n_states(picture);
-    pl_markup_put(page, "<figure class=\"mesh\"><div class=\"view\" data-label=\"%s. ",
+    const cJSON *mesh = cJSON_GetObjectItemCaseSensitive(figures->result, "mesh");
+    const int wraps = pl_figure(mesh, "wrapped_elements") > 0;
+    pl_markup_put(page, "<figure class=\"mesh\"><div class=\"view\"%s data-label=\"%s. ",
+                  wraps ? " data-wraps" : "",
                   figures->is_solid ? "The surface of the mesh and elements inside"
                                     : "The elements of the mesh");
     for (int s = 0; s < n; s++)
         put_label(page, figures, pl_picture_state_name(picture, s));
     pl_markup_put(page, "\">\n<div class=\"stills\">");
     for (int s = 0; s < n; s++)
-        pl_picture_put_still(page, picture, s,
+        pl_picture_put_still(page, picture, s, wraps,
                              n == 2 ? pl_picture_state_name(picture, s) : "the mesh");
     pl_markup_put(page, "</div>\n");
     if (n == 2)

@@ -211,7 +211,8 @@ static void put_curves(pl_markup *page, const history *h, int over_time) {
                               .n_series = 2,
                               .y = {h->rms, h->movable},
                               .name = {"all elements", "elements with a movable node"},
-                              .phase = h->phase};
+                              .phase = h->phase,
+                              .x_step = over_time ? 0 : 1};
     pl_markup_put(page, "<figure><h3>%s</h3>\n", over_time ? "Over time" : "By sweep");
     pl_chart_curves(page, &curves);
     pl_markup_put(page, "</figure>\n");
@@ -226,7 +227,9 @@ static void put_inverted(pl_markup *page, const history *h) {
                               .y = {h->inverted},
                               .name = {"inverted elements"},
                               .phase = h->phase,
-                              .floor = NONE_INVERTED};
+                              .floor = NONE_INVERTED,
+                              .x_step = 1,
+                              .y_step = 1};
     if (!h->any_inverted)
         return;
     pl_markup_put(page, "<figure><h3>Inverted elements (bottom: none)</h3>\n");

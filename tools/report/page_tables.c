@@ -25,10 +25,10 @@ typedef struct measure {
 
 static const measure measures[] = {
     {"inverted", "inverted elements", "inverted elements", "", LESS_IS_BETTER, "main", 1},
-    {"reversed_elements", "reversed in the file's order", "reversed in the file's order", "",
-     LESS_IS_BETTER, "", 1},
     {"inverted_inside", "though their corners are right", "though their corners are right", "",
      LESS_IS_BETTER, "part", 1},
+    {"reversed_elements", "reversed in the file's order", "reversed in the file's order", "",
+     LESS_IS_BETTER, "", 1},
     {"uncertified", "uncertified elements", "uncertified elements", "", LESS_IS_BETTER, "", 1},
     {"curved", "curved elements", "curved elements", "", NEITHER, "", 1},
     {"below_min_volume", "elements below their minimum volume", "elements below their minimum area",
@@ -57,11 +57,11 @@ enum { N_MEASURES = sizeof measures / sizeof *measures };
 /** Measures of elements of every type. */
 static const measure cell_measures[] = {
     {"inverted", "inverted elements", "inverted elements", "", LESS_IS_BETTER, "main", 1},
+    {"inverted_inside", "though their corners are right", "though their corners are right", "",
+     LESS_IS_BETTER, "part", 1},
     {"corner_inverted", "inverted corners", "inverted corners", "", LESS_IS_BETTER, "", 1},
     {"uncertified", "uncertified elements", "uncertified elements", "", LESS_IS_BETTER, "", 1},
     {"curved", "curved elements", "curved elements", "", NEITHER, "", 1},
-    {"inverted_inside", "though their corners are right", "though their corners are right", "",
-     LESS_IS_BETTER, "part", 1},
     {"reversed_elements", "reversed in the file's order", "reversed in the file's order", "",
      LESS_IS_BETTER, "", 1},
     {"below_min_volume", "elements below their minimum volume", "elements below their minimum area",
@@ -109,10 +109,12 @@ static void put_value(pl_markup *page, const measure *m, const cJSON *state) {
     pl_markup_put(page, "%s</td>", isfinite(value) ? m->unit : "");
 }
 
-/** Count what leaves elements without ratios and angles: inverted corners, where they are told. */
-static int64_t count_of_inverted(const cJSON *state) {
-    const int has_corners = isfinite(pl_figure(state, "corner_inverted"));
-    return pl_figure_count(state, has_corners ? "corner_inverted" : "inverted");
+/** Count what leaves elements of state s without ratios and angles: of simplices inverted corners, where they
+ *  are told. */
+static int64_t count_of_inverted(const pl_figures *figures, int s) {
+    const cJSON *state = figures->state[s];
+    const int by_corners = !figures->has_types && isfinite(pl_figure(state, "corner_inverted"));
+    return pl_figure_count(state, by_corners ? "corner_inverted" : "inverted");
 }
 
 static void put_factor(pl_markup *page, const char *sign, double factor) {
@@ -125,12 +127,12 @@ static void put_factor(pl_markup *page, const char *sign, double factor) {
 static void put_change(pl_markup *page, const measure *m, const pl_figures *figures) {
     const double before = pl_figure(figures->state[0], m->key);
     const double after = pl_figure(figures->state[1], m->key);
-    const double change = after - before, factor = after / before, large = 10;
+    const double change = after - before, large = 10;
+    const double factor = before > 0 ? after / before : NAN; /* negative values have none */
     const int differs = m->is_count ? change != 0 : fabs(change / fabs(before)) >= NOTABLE;
     /* Ratios and angles are those of the valid elements, others before than after. */
-    const int is_of_same =
-        m->is_count || strstr(m->key, "volume") ||
-        count_of_inverted(figures->state[0]) == count_of_inverted(figures->state[1]);
+    const int is_of_same = m->is_count || strstr(m->key, "volume") ||
+                           count_of_inverted(figures, 0) == count_of_inverted(figures, 1);
     const int better = (change < 0) == (m->sense == LESS_IS_BETTER);
     /* Elements that have targets need not be more regular. */
     const int is_beside = figures->has_targets && (strcmp(m->key, "min_scaled_jacobian") == 0 ||

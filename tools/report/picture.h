@@ -49,8 +49,9 @@ int64_t pl_picture_brief_bad(const pl_picture *picture);
 /** Add what the viewer draws, as JSON. */
 void pl_picture_put(pl_markup *page, const pl_picture *picture);
 
-/** Add state i as a still picture under a title. */
-void pl_picture_put_still(pl_markup *page, const pl_picture *picture, int i, const char *title);
+/** Add state i as a still picture under a title. wraps: elements wrap around the mesh, which is periodic. */
+void pl_picture_put_still(pl_markup *page, const pl_picture *picture, int i, int wraps,
+                          const char *title);
 
 /** Triangles of the surface, and of these how many are drawn. */
 void pl_picture_count(const pl_picture *picture, int64_t *n_all, int64_t *n_drawn);

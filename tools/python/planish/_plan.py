@@ -342,7 +342,7 @@ class Plan:
         return mask.astype(bool)
 
     def quality(self, points: Any = None) -> Quality:
-        """Return the quality of the mesh.
+        """Return the quality of the mesh. cells and elements are None: planish.quality has them.
 
         Args:
             points: coordinates [n, 2 or 3], or the mesh; None: those given at first

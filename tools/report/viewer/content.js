@@ -6,7 +6,7 @@ const {picture, dim, isFlat, isComplete, measures, COLOURS, INVERTED} = planishD
 const {part, themeColour, countOf, plural, textOf} = planishPage;
 const {chosen, slider, lowest, highest, limit, countWorse} = planishChosen;
 const {paintFacets} = planishShape, {makeDots, addElements, brushed} = planishElements;
-const {crossing, addSquares, clip} = planishCut, {layers, drawSoon} = planishView;
+const {crossing, addSquares, clip} = planishCut, {holder, layers, drawSoon} = planishView;
 
 /** What is shown of the elements of a histogram's bins, which has the states before and after alone; drawn: how
  *  many of them are. */
@@ -30,6 +30,12 @@ function describe(state, value, text) {
         (drawn ? ', ' + countOf(drawn) + ' of them inverted' : '');
 }
 
+/** Of flat elements that overlap, the one that is drawn last is seen: the worst, unless elements wrap around the
+ *  whole mesh. */
+function worstLast(list) {
+    return 'wraps' in holder.dataset ? list : list.slice().reverse();
+}
+
 /** Draw of a layer what is chosen, and say what that is. */
 function updateLayer(layer, i) {
     const {state, content} = layer, solid = !isFlat && state.inside;
@@ -47,7 +53,7 @@ function updateLayer(layer, i) {
     } else {
         list = Array.from({length: countWorse(state, limit())}, (_, k) => k);
     }
-    addElements(content, state.bad, list, !isFlat);
+    addElements(content, state.bad, isFlat ? worstLast(list) : list, !isFlat);
     if (isFlat && !chosen.brush) /* inverted ones show from afar */
         content.add(makeDots(state.bad, list.slice(0, countWorse(state, Infinity))));
     clip(content);

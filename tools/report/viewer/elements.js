@@ -57,8 +57,10 @@ function makeDots(set, list) {
         const code = 3 * set.codes[chosen.measure * set.n + i];
         colours.set(shades[chosen.measure].subarray(code, code + 3), 3 * k);
     });
-    return new THREE.Points(coloured(places, colours), new THREE.PointsMaterial(
+    const dots = new THREE.Points(coloured(places, colours), new THREE.PointsMaterial(
         {size: 4, sizeAttenuation: false, vertexColors: THREE.VertexColors}));
+    dots.position.z = dim === 2 ? 0.003 : 0; /* above elements and lines */
+    return dots;
 }
 
 /** Elements of a set: solids, their edges, and dots if asked for. */
@@ -74,11 +76,8 @@ function addElements(group, set, list, hasDots) {
             new THREE.LineBasicMaterial({color: 0x222222})));
     else if (dim === 2)
         solids.position.z = 0.001;
-    if (hasDots) {
-        const dots = makeDots(set, list);
-        dots.position.z = dim === 2 ? 0.003 : 0;
-        group.add(dots);
-    }
+    if (hasDots)
+        group.add(makeDots(set, list));
 }
 
 /** The elements of a set for which test(i) holds. */
