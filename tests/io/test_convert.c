@@ -310,6 +310,29 @@ static void sets_of_nodes_are_converted(void **state) {
     planish_file_close(file);
 }
 
+/** Groups of one number have its elements alone, whatever other groups their names have. */
+static void names_of_one_number_are_converted(void **state) {
+    static const char *const names[] = {"both", "lower", "only"};
+    file_builder b = {.binary = 0};
+    char lost[512];
+    builder_text(&b, "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n5\n3 1 \"both\"\n"
+                     "3 1 \"both\"\n3 2 \"both\"\n3 1 \"lower\"\n3 1 \"only\"\n"
+                     "$EndPhysicalNames\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n"
+                     "5 1 1 1\n$EndNodes\n$Elements\n2\n1 4 2 1 1 1 2 3 4\n"
+                     "2 4 2 2 2 2 3 4 5\n$EndElements\n");
+    planish_file *file = converting_open_built(*state, "names.msh", &b);
+    planish_file *copy = converting_to(*state, file, "abaqus", ".inp", lost);
+    for (int k = 0; k < 3; k++) {
+        uint8_t *p = converting_nodes_of(file, names[k]), *q = converting_nodes_of(copy, names[k]);
+        assert_memory_equal(p, q, 5);
+        assert_int_equal(p[4], k == 0);
+        free(p);
+        free(q);
+    }
+    planish_file_close(copy);
+    planish_file_close(file);
+}
+
 /** Numbers that are not distinct, or 0, are given anew. */
 static void numbers_begin_at_1(void **state) {
     file_builder b = {.binary = 0};
@@ -526,19 +549,13 @@ static void targets_are_named(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        IN_A_FOLDER(all_types_are_converted),
-        IN_A_FOLDER(lines_are_converted),
-        IN_A_FOLDER(files_are_converted),
-        IN_A_FOLDER(groups_are_converted),
-        IN_A_FOLDER(sets_of_nodes_are_converted),
-        IN_A_FOLDER(numbers_begin_at_1),
-        IN_A_FOLDER(regions_in_turn_are_converted),
-        IN_A_FOLDER(data_are_converted),
-        IN_A_FOLDER(own_names_are_lost),
-        IN_A_FOLDER(negative_solids_are_mirrored),
-        IN_A_FOLDER(surfaces_are_converted),
-        IN_A_FOLDER(wrong_targets_are_refused),
-        cmocka_unit_test(targets_are_named),
+        IN_A_FOLDER(all_types_are_converted),      IN_A_FOLDER(lines_are_converted),
+        IN_A_FOLDER(files_are_converted),          IN_A_FOLDER(groups_are_converted),
+        IN_A_FOLDER(sets_of_nodes_are_converted),  IN_A_FOLDER(names_of_one_number_are_converted),
+        IN_A_FOLDER(numbers_begin_at_1),           IN_A_FOLDER(regions_in_turn_are_converted),
+        IN_A_FOLDER(data_are_converted),           IN_A_FOLDER(own_names_are_lost),
+        IN_A_FOLDER(negative_solids_are_mirrored), IN_A_FOLDER(surfaces_are_converted),
+        IN_A_FOLDER(wrong_targets_are_refused),    cmocka_unit_test(targets_are_named),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

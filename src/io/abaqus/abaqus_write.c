@@ -104,6 +104,8 @@ static void put_block(io_writer *writer, const io_view *view, const io_view_bloc
 typedef struct group_members {
     int64_t *start, *end; /* [n_groups + 1] of each group in member; end: so far */
     int64_t *member;
+    int32_t *listed; /* [n_groups] of the first group of each number: the group of this number whose
+                        name no other group has, or -1 */
 } group_members;
 
 /** Put a thing into the groups of an entity that have its dimension: count it, or list it. */
@@ -129,6 +131,41 @@ static void add_members(const io_view *view, const io_view_blocks *blocks, group
         add_member(view, model->node_entity[i], i, m);
 }
 
+/** Find the groups whose names others have, too, as cut ones may: *is_shared [n_groups], owned in any case. */
+static int find_shared(const io_view *view, uint8_t **is_shared, planish_error *error) {
+    const int64_t n = view->model->n_groups;
+    int32_t *first;
+    int status = io_view_find_names(view, &first, error);
+    *is_shared = pl_alloc_zero(n, 1);
+    if (!status && !*is_shared)
+        status = pl_fail_memory(error, "groups");
+    for (int64_t g = 0; g < n && !status; g++) {
+        const int is_cut = strlen(view->model->group[g].name) > IO_VIEW_MOST_NAME;
+        if (first[g] < g || is_cut)
+            (*is_shared)[g] = (*is_shared)[first[g]] = 1;
+    }
+    pl_free(first);
+    return status;
+}
+
+/** Find the groups that others of their number can be written by. */
+static int find_listed(const io_view *view, group_members *m, planish_error *error) {
+    const io_group *group = view->model->group;
+    const int64_t n = view->model->n_groups;
+    uint8_t *is_shared;
+    int status = find_shared(view, &is_shared, error);
+    m->listed = pl_alloc(n, sizeof *m->listed);
+    if (!status && !m->listed)
+        status = pl_fail_memory(error, "groups");
+    for (int32_t g = 0; g < n && !status; g++) {
+        int32_t *listed = &m->listed[io_view_first_group(view, group[g].dim, group[g].tag)];
+        m->listed[g] = -1; /* the first of its number is not behind it */
+        *listed = *listed < 0 && !is_shared[g] ? g : *listed;
+    }
+    pl_free(is_shared);
+    return status;
+}
+
 /** Find the members of all groups. To be released in any case. */
 static int find_members(const io_view *view, const io_view_blocks *blocks, group_members *m,
                         planish_error *error) {
@@ -146,31 +183,33 @@ static int find_members(const io_view *view, const io_view_blocks *blocks, group
     if (!m->member)
         return pl_fail_memory(error, "groups");
     add_members(view, blocks, m);
-    return PLANISH_OK;
+    return find_listed(view, m, error);
 }
 
 static void release_members(group_members *m) {
+    pl_free(m->listed);
     pl_free(m->start);
     pl_free(m->end);
     pl_free(m->member);
 }
 
-/** Put a group: the sets of its entities, or its nodes; of a further name of one number the set of the
- *  first. */
+/** Put a group: the sets of its entities, or its nodes, or the set of another group of its number. */
 static void put_group(io_writer *writer, const io_view *view, const io_view_blocks *blocks,
                       const group_members *m, int32_t g) {
     const io_group *group = &view->model->group[g];
     const int32_t first = io_view_first_group(view, group->dim, group->tag);
+    const int32_t listed = m->listed[first];
+    const int is_listed = listed < 0 || g <= listed;
     if (m->end[first] == m->start[first])
         return;
     io_put_text(writer, group->dim > 0 ? "*ELSET, ELSET=" : "*NSET, NSET=");
     put_name(writer, group->name);
     io_put_text(writer, "\n");
-    if (first < g) {
-        put_name(writer, view->model->group[first].name);
+    if (!is_listed) {
+        put_name(writer, view->model->group[listed].name);
         io_put_text(writer, "\n");
     }
-    for (int64_t i = m->start[first]; i < m->end[first] && first == g; i++) {
+    for (int64_t i = m->start[first]; i < m->end[first] && is_listed; i++) {
         if (group->dim > 0)
             put_set(writer, &blocks->block[m->member[i]]);
         else
