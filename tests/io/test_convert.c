@@ -333,6 +333,25 @@ static void names_of_one_number_are_converted(void **state) {
     planish_file_close(file);
 }
 
+/** Formats with one name for each element tell which groups they lose. */
+static void other_groups_are_told(void **state) {
+    static const char *const formats[][2] = {{"obj", ".obj"}, {"stl", ".stl"}, {"nastran", ".bdf"}};
+    char lost[512];
+    file_builder b = {.binary = 0};
+    builder_text(&b, "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,1,1,0\n*ELEMENT, TYPE=S3, ELSET=");
+    for (int i = 0; i < 30; i++)
+        builder_text(&b, "long_name_");
+    builder_text(&b, "\n1,1,2,3\n2,2,4,3\n*ELSET, ELSET=over\n2\n*NSET, NSET=mid\n3\n");
+    planish_file *file = converting_open_built(*state, "over.inp", &b);
+    for (int t = 0; t < 3; t++) {
+        planish_file_close(converting_to(*state, file, formats[t][0], formats[t][1], lost));
+        assert_non_null(strstr(lost, "groups of nodes"));
+        assert_non_null(strstr(lost, "all but the first group of elements that are in several"));
+        assert_non_null(strstr(lost, "the ends of names of more than 256 bytes"));
+    }
+    planish_file_close(file);
+}
+
 /** Numbers that are not distinct, or 0, are given anew. */
 static void numbers_begin_at_1(void **state) {
     file_builder b = {.binary = 0};
@@ -549,13 +568,21 @@ static void targets_are_named(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        IN_A_FOLDER(all_types_are_converted),      IN_A_FOLDER(lines_are_converted),
-        IN_A_FOLDER(files_are_converted),          IN_A_FOLDER(groups_are_converted),
-        IN_A_FOLDER(sets_of_nodes_are_converted),  IN_A_FOLDER(names_of_one_number_are_converted),
-        IN_A_FOLDER(numbers_begin_at_1),           IN_A_FOLDER(regions_in_turn_are_converted),
-        IN_A_FOLDER(data_are_converted),           IN_A_FOLDER(own_names_are_lost),
-        IN_A_FOLDER(negative_solids_are_mirrored), IN_A_FOLDER(surfaces_are_converted),
-        IN_A_FOLDER(wrong_targets_are_refused),    cmocka_unit_test(targets_are_named),
+        IN_A_FOLDER(all_types_are_converted),
+        IN_A_FOLDER(lines_are_converted),
+        IN_A_FOLDER(files_are_converted),
+        IN_A_FOLDER(groups_are_converted),
+        IN_A_FOLDER(sets_of_nodes_are_converted),
+        IN_A_FOLDER(names_of_one_number_are_converted),
+        IN_A_FOLDER(other_groups_are_told),
+        IN_A_FOLDER(numbers_begin_at_1),
+        IN_A_FOLDER(regions_in_turn_are_converted),
+        IN_A_FOLDER(data_are_converted),
+        IN_A_FOLDER(own_names_are_lost),
+        IN_A_FOLDER(negative_solids_are_mirrored),
+        IN_A_FOLDER(surfaces_are_converted),
+        IN_A_FOLDER(wrong_targets_are_refused),
+        cmocka_unit_test(targets_are_named),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

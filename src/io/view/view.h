@@ -146,8 +146,10 @@ typedef struct io_losses {
 void io_losses_add(io_losses *losses, const char *format, ...) PL_PRINTF(2, 3);
 
 /** Note data that formats cannot store: names of groups and all but the first number of each element;
- *  numbers of nodes and elements, where they are other ones than their order; arrays of numbers. */
+ *  where elements have one name: other groups, and the ends of names behind IO_VIEW_MOST_NAME; numbers
+ *  of nodes and elements, where they are other ones than their order; arrays of numbers. */
 void io_view_lose_groups(const io_view *view, io_losses *losses);
+void io_view_lose_others(const io_view *view, io_losses *losses);
 void io_view_lose_numbers(const io_view *view, io_losses *losses);
 void io_view_lose_fields(const io_view *view, io_losses *losses);
 
