@@ -50,8 +50,9 @@ static const io_view_type plane_types[] = {{PLANISH_CELL_TRIANGLE, "CPS3", 0},
 
 /** Put a name between quotes, as it has to be where there are blanks. */
 static void put_name(io_writer *writer, const char *name) {
+    const int length = io_view_name_length(name, IO_VIEW_MOST_NAME);
     io_put_text(writer, "\"");
-    for (int i = 0; i < IO_VIEW_MOST_NAME && name[i]; i++)
+    for (int i = 0; i < length; i++)
         io_put_bytes(writer, name[i] == '"' || (unsigned char)name[i] < ' ' ? "_" : name + i, 1);
     io_put_text(writer, "\"");
 }
@@ -252,14 +253,17 @@ static void lose_type_names(const io_view *view, const io_view_type *types, io_l
     }
 }
 
-/** Note that names are longer than Abaqus takes them. */
-static void lose_short_names(const io_model *model, io_losses *losses) {
+/** Note names that are longer than Abaqus takes them, and those that are cut. */
+static void lose_names(const io_model *model, io_losses *losses) {
     enum { MOST_NAME = 80 };
-    int are_long = 0;
+    int64_t n_long = 0;
     for (int32_t i = 0; i < model->n_groups; i++)
-        are_long |= strlen(model->group[i].name) > MOST_NAME;
-    if (are_long)
-        io_losses_add(losses, "names of at most %d characters, as Abaqus needs them", MOST_NAME);
+        n_long += strlen(model->group[i].name) > MOST_NAME;
+    if (n_long > 0)
+        io_losses_add(losses,
+                      "names that Abaqus takes (of at most %d characters) for %" PRId64 " group%s",
+                      MOST_NAME, n_long, n_long > 1 ? "s" : "");
+    io_view_lose_ends(model, losses);
 }
 
 static int abaqus_write(const io_view *view, pl_output *output, io_losses *losses,
@@ -274,7 +278,7 @@ static int abaqus_write(const io_view *view, pl_output *output, io_losses *losse
         status = put_groups(&writer, view, &blocks, error);
         io_view_lose_types(types, &blocks, losses);
         lose_type_names(view, types, losses);
-        lose_short_names(view->model, losses);
+        lose_names(view->model, losses);
         io_view_lose_fields(view, losses);
     }
     io_view_blocks_release(&blocks);

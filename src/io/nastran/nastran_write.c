@@ -107,9 +107,10 @@ static void put_property_name(nastran_out *n, const io_view_block *block) {
     if (g < 0)
         return;
     const char *name = n->view->model->group[g].name;
+    const int length = io_view_name_length(name, IO_VIEW_MOST_NAME);
     io_put_format(&n->writer, "$HMNAME PROP%*s%*" PRId32 "\"", FIELD + 1, "", FIELD,
                   block->property);
-    for (int i = 0; i < IO_VIEW_MOST_NAME && name[i]; i++)
+    for (int i = 0; i < length; i++)
         io_put_bytes(&n->writer, name[i] == '"' || (unsigned char)name[i] < ' ' ? "_" : name + i,
                      1);
     io_put_text(&n->writer, "\"\n");

@@ -76,7 +76,8 @@ static void put_name(surface_out *s, const io_view_block *block) {
         return;
     }
     const char *name = model->group[g].name;
-    for (int i = 0; i < IO_VIEW_MOST_NAME && name[i]; i++)
+    const int length = io_view_name_length(name, IO_VIEW_MOST_NAME);
+    for (int i = 0; i < length; i++)
         io_put_bytes(&s->writer, (unsigned char)name[i] <= ' ' ? "_" : name + i, 1);
 }
 
