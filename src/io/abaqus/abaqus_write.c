@@ -101,12 +101,15 @@ static void put_block(io_writer *writer, const io_view *view, const io_view_bloc
 
 /* ---- groups --------------------------------------------------------------------------------- */
 
+/* No group can be what others of its number are written by: there are no others; names are shared. */
+enum { ONLY_GROUP = -1, NO_LISTED = -2 };
+
 /** Members of groups: of the first group of each number blocks that begin a set, or nodes. */
 typedef struct group_members {
     int64_t *start, *end; /* [n_groups + 1] of each group in member; end: so far */
     int64_t *member;
     int32_t *listed; /* [n_groups] of the first group of each number: the group of this number whose
-                        name no other group has, or -1 */
+                        name no other group has, or ONLY_GROUP, or NO_LISTED */
 } group_members;
 
 /** Put a thing into the groups of an entity that have its dimension: count it, or list it. */
@@ -159,9 +162,14 @@ static int find_listed(const io_view *view, group_members *m, planish_error *err
     if (!status && !m->listed)
         status = pl_fail_memory(error, "groups");
     for (int32_t g = 0; g < n && !status; g++) {
-        int32_t *listed = &m->listed[io_view_first_group(view, group[g].dim, group[g].tag)];
-        m->listed[g] = -1; /* the first of its number is not behind it */
-        *listed = *listed < 0 && !is_shared[g] ? g : *listed;
+        const int32_t first = io_view_first_group(view, group[g].dim, group[g].tag);
+        int32_t *listed = &m->listed[first]; /* which is not behind g */
+        if (first == g)
+            *listed = ONLY_GROUP;
+        else if (*listed == ONLY_GROUP)
+            *listed = is_shared[first] ? NO_LISTED : first;
+        if (first < g && *listed == NO_LISTED && !is_shared[g])
+            *listed = g;
     }
     pl_free(is_shared);
     return status;
@@ -194,29 +202,55 @@ static void release_members(group_members *m) {
     pl_free(m->member);
 }
 
-/** Put a group: the sets of its entities, or its nodes, or the set of another group of its number. */
-static void put_group(io_writer *writer, const io_view *view, const io_view_blocks *blocks,
-                      const group_members *m, int32_t g) {
-    const io_group *group = &view->model->group[g];
-    const int32_t first = io_view_first_group(view, group->dim, group->tag);
-    const int32_t listed = m->listed[first];
-    const int is_listed = listed < 0 || g <= listed;
-    if (m->end[first] == m->start[first])
-        return;
+static void put_keyword(io_writer *writer, const io_group *group) {
     io_put_text(writer, group->dim > 0 ? "*ELSET, ELSET=" : "*NSET, NSET=");
-    put_name(writer, group->name);
-    io_put_text(writer, "\n");
-    if (!is_listed) {
-        put_name(writer, view->model->group[listed].name);
-        io_put_text(writer, "\n");
-    }
-    for (int64_t i = m->start[first]; i < m->end[first] && is_listed; i++) {
-        if (group->dim > 0)
+}
+
+/** Put the members of a number, of which first is the first group: sets of entities, or nodes. */
+static void put_members(io_writer *writer, const io_view *view, const io_view_blocks *blocks,
+                        const group_members *m, int32_t first) {
+    for (int64_t i = m->start[first]; i < m->end[first]; i++) {
+        if (view->model->group[first].dim > 0)
             put_set(writer, &blocks->block[m->member[i]]);
         else
             io_put_integer(writer, 0, io_view_node_number(view, m->member[i]));
         io_put_text(writer, "\n");
     }
+}
+
+/** Put the name of the set that groups of one number are written by. */
+static void put_listed(io_writer *writer, const io_view *view, const group_members *m,
+                       int32_t first) {
+    if (m->listed[first] >= 0)
+        put_name(writer, view->model->group[m->listed[first]].name);
+    else
+        io_put_format(writer, "GROUP%" PRId32, first + 1);
+    io_put_text(writer, "\n");
+}
+
+/** Put a group: its members, or the set that it and the others of its number are written by, so that no
+ *  members are written twice. The first group puts that set. */
+static void put_group(io_writer *writer, const io_view *view, const io_view_blocks *blocks,
+                      const group_members *m, int32_t g) {
+    const io_group *group = &view->model->group[g];
+    const int32_t first = io_view_first_group(view, group->dim, group->tag);
+    const int is_only = m->listed[first] == ONLY_GROUP;
+    if (m->end[first] == m->start[first])
+        return;
+    if (g == first && !is_only) {
+        put_keyword(writer, group);
+        put_listed(writer, view, m, first);
+        put_members(writer, view, blocks, m, first);
+    }
+    if (g == m->listed[first])
+        return;
+    put_keyword(writer, group);
+    put_name(writer, group->name);
+    io_put_text(writer, "\n");
+    if (is_only)
+        put_members(writer, view, blocks, m, first);
+    else
+        put_listed(writer, view, m, first);
 }
 
 static int put_groups(io_writer *writer, const io_view *view, const io_view_blocks *blocks,
