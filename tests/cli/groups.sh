@@ -100,14 +100,15 @@ done
 # Each number is written once, not for each of its names, whether others have them or not.
 python3 - <<'END'
 n = 300
-for kind, last in ("shared", []), ("own", ['3 1 "own"\n']):
+for kind, last in ("shared", ['3 3 "GROUP%s"\n' % i for i in (1, "_2")]), ("own", ['3 1 "own"\n']):
     with open(kind + ".msh", "w") as mesh:
         names = ['3 %d "n%d"\n' % (number, i) for i in range(n) for number in (1, 2)] + last
         mesh.write("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n%d\n" % len(names))
         mesh.writelines(names)
         mesh.write("$EndPhysicalNames\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n")
-        mesh.write("$Elements\n%d\n" % n)
+        mesh.write("$Elements\n%d\n" % (n + 1))
         mesh.writelines("%d 4 2 %d %d 1 2 3 4\n" % (i, 1 + i % 3 // 2, i) for i in range(1, n + 1))
+        mesh.write("%d 4 2 3 %d 1 2 3 4\n" % (n + 1, n + 1))
         mesh.write("$EndElements\n")
 END
 for kind in shared own; do
@@ -116,6 +117,9 @@ for kind in shared own; do
     expect_status 0 "$program" groups $kind.inp
     [ "$(grep -c '^solids  *300  n[0-9]*$' out)" = 300 ] || fail "names of one number ($kind): $(head -n 5 out)"
 done
+expect_status 0 "$program" groups shared.inp
+[ "$(grep -ci '^solids  *1  group' out)" = 2 ] || fail "groups of names as the writer's own: $(grep -i group out)"
+expect_status 0 "$program" groups own.inp
 grep -q '^solids  *200  own$' out || fail "a name of one number: $(grep own out)"
 
 finish

@@ -13,6 +13,7 @@
 
 #include <inttypes.h>
 #include <string.h>
+#include <strings.h>
 
 /** C3D27 has the node of its inside before those of its faces, which begin with that of the first
  *  four corners. */
@@ -48,12 +49,17 @@ static const io_view_type plane_types[] = {{PLANISH_CELL_TRIANGLE, "CPS3", 0},
                                            {PLANISH_CELL_LINE3, "T2D3", 0},
                                            {0, NULL, 0}};
 
+/** Whether a name has '_' in place of a character. */
+static int is_replaced(char c) {
+    return c == '"' || (unsigned char)c < ' ';
+}
+
 /** Put a name between quotes, as it has to be where there are blanks. */
 static void put_name(io_writer *writer, const char *name) {
     const int length = io_view_name_length(name, IO_VIEW_MOST_NAME);
     io_put_text(writer, "\"");
     for (int i = 0; i < length; i++)
-        io_put_bytes(writer, name[i] == '"' || (unsigned char)name[i] < ' ' ? "_" : name + i, 1);
+        io_put_bytes(writer, is_replaced(name[i]) ? "_" : name + i, 1);
     io_put_text(writer, "\"");
 }
 
@@ -110,6 +116,7 @@ typedef struct group_members {
     int64_t *member;
     int32_t *listed; /* [n_groups] of the first group of each number: the group of this number whose
                         name no other group has, or ONLY_GROUP, or NO_LISTED */
+    int n_marks;     /* of find_marks */
 } group_members;
 
 /** Put a thing into the groups of an entity that have its dimension: count it, or list it. */
@@ -152,6 +159,23 @@ static int find_shared(const io_view *view, uint8_t **is_shared, planish_error *
     return status;
 }
 
+/** Return how many '_' a name "GROUP___1" needs that no group has, as far as names are written. */
+static int find_marks(const io_model *model) {
+    static const char start[] = "GROUP";
+    int n_marks = 0;
+    for (int32_t g = 0; g < model->n_groups; g++) {
+        const char *name = model->group[g].name;
+        if (strncasecmp(name, start, strlen(start)) != 0)
+            continue;
+        int n = 0;
+        for (name += strlen(start); *name == '_' || (*name && is_replaced(*name)); name++)
+            n++;
+        if (*name >= '0' && *name <= '9' && n >= n_marks && n < IO_VIEW_MOST_NAME)
+            n_marks = n + 1;
+    }
+    return n_marks;
+}
+
 /** Find the groups that others of their number can be written by. */
 static int find_listed(const io_view *view, group_members *m, planish_error *error) {
     const io_group *group = view->model->group;
@@ -192,6 +216,7 @@ static int find_members(const io_view *view, const io_view_blocks *blocks, group
     if (!m->member)
         return pl_fail_memory(error, "groups");
     add_members(view, blocks, m);
+    m->n_marks = find_marks(view->model);
     return find_listed(view, m, error);
 }
 
@@ -223,8 +248,12 @@ static void put_listed(io_writer *writer, const io_view *view, const group_membe
                        int32_t first) {
     if (m->listed[first] >= 0)
         put_name(writer, view->model->group[m->listed[first]].name);
-    else
-        io_put_format(writer, "GROUP%" PRId32, first + 1);
+    else {
+        io_put_text(writer, "GROUP");
+        for (int i = 0; i < m->n_marks; i++)
+            io_put_text(writer, "_");
+        io_put_integer(writer, 0, first + 1);
+    }
     io_put_text(writer, "\n");
 }
 
