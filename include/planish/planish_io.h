@@ -250,8 +250,9 @@ typedef struct planish_group {
 } planish_group;
 
 /** List the groups of the file: *groups [*n], which the file owns; first groups with names, then other
- *  groups with elements or nodes. Groups of the same name in different dimensions are listed one by one,
- *  but are one group for planish_hold. Errors: _ARGUMENT (file is NULL), _MEMORY; *n is then 0. */
+ *  groups with elements or nodes. A name is listed once for each dimension, with the elements of all its
+ *  numbers (one in two of them counts twice); for planish_hold it is one group. Errors: _ARGUMENT (file is
+ *  NULL), _MEMORY; *n is then 0. */
 PLANISH_API int planish_file_groups(planish_file *file, const planish_group **groups, int64_t *n,
                                     planish_error *error);
 

@@ -11,6 +11,9 @@
 /* Heights that differ by no more than this part are equally high. */
 static const double AS_HIGH = 0.01;
 
+/* Uprights that are less high than this part of their length have no height: it is about that of rounding. */
+static const double FLAT = 1e-9;
+
 /** Uprights of rows. */
 typedef struct row_search {
     const pl_columns *c;
@@ -81,12 +84,23 @@ static void find_off(const row_search *s, double *off) {
     }
 }
 
+/** Let uprights that are flat want no height. */
+static void drop_flat(pl_columns *c) {
+    for (int64_t u = 0; u < c->n_uprights; u++) {
+        double edge[3];
+        pl_columns_edge(c, c->end[2 * u], c->end[2 * u + 1], edge);
+        if (c->height[u] < FLAT * sqrt(pl_dot(3, edge, edge)))
+            c->height[u] = 0;
+    }
+}
+
 /** Measure at the columns' coordinates and at now. height [n_uprights]. */
 static int measure(row_search *s, pl_columns *c, const double *now, double *height,
                    planish_layer_heights *found, planish_error *error) {
     const planish_mesh *before = c->mesh;
     planish_mesh mesh = *before;
     s->height = height;
+    drop_flat(c);
     number_rows(s);
     int status = pl_columns_measure_heights(c, height, error);
     if (status)

@@ -310,6 +310,48 @@ static void sets_of_nodes_are_converted(void **state) {
     planish_file_close(file);
 }
 
+/** Groups of one number have its elements alone, whatever other groups their names have. */
+static void names_of_one_number_are_converted(void **state) {
+    static const char *const names[] = {"both", "lower", "only"};
+    file_builder b = {.binary = 0};
+    char lost[512];
+    builder_text(&b, "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n5\n3 1 \"both\"\n"
+                     "3 1 \"both\"\n3 2 \"both\"\n3 1 \"lower\"\n3 1 \"only\"\n"
+                     "$EndPhysicalNames\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n"
+                     "5 1 1 1\n$EndNodes\n$Elements\n2\n1 4 2 1 1 1 2 3 4\n"
+                     "2 4 2 2 2 2 3 4 5\n$EndElements\n");
+    planish_file *file = converting_open_built(*state, "names.msh", &b);
+    planish_file *copy = converting_to(*state, file, "abaqus", ".inp", lost);
+    for (int k = 0; k < 3; k++) {
+        uint8_t *p = converting_nodes_of(file, names[k]), *q = converting_nodes_of(copy, names[k]);
+        assert_memory_equal(p, q, 5);
+        assert_int_equal(p[4], k == 0);
+        free(p);
+        free(q);
+    }
+    planish_file_close(copy);
+    planish_file_close(file);
+}
+
+/** Formats with one name for each element tell which groups they lose. */
+static void other_groups_are_told(void **state) {
+    static const char *const formats[][2] = {{"obj", ".obj"}, {"stl", ".stl"}, {"nastran", ".bdf"}};
+    char lost[512];
+    file_builder b = {.binary = 0};
+    builder_text(&b, "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,1,1,0\n*ELEMENT, TYPE=S3, ELSET=");
+    for (int i = 0; i < 30; i++)
+        builder_text(&b, "long_name_");
+    builder_text(&b, "\n1,1,2,3\n2,2,4,3\n*ELSET, ELSET=over\n2\n*NSET, NSET=mid\n3\n");
+    planish_file *file = converting_open_built(*state, "over.inp", &b);
+    for (int t = 0; t < 3; t++) {
+        planish_file_close(converting_to(*state, file, formats[t][0], formats[t][1], lost));
+        assert_non_null(strstr(lost, "groups of nodes"));
+        assert_non_null(strstr(lost, "all but the first group of elements that are in several"));
+        assert_non_null(strstr(lost, "the ends of names of more than 256 bytes"));
+    }
+    planish_file_close(file);
+}
+
 /** Numbers that are not distinct, or 0, are given anew. */
 static void numbers_begin_at_1(void **state) {
     file_builder b = {.binary = 0};
@@ -531,6 +573,8 @@ int main(void) {
         IN_A_FOLDER(files_are_converted),
         IN_A_FOLDER(groups_are_converted),
         IN_A_FOLDER(sets_of_nodes_are_converted),
+        IN_A_FOLDER(names_of_one_number_are_converted),
+        IN_A_FOLDER(other_groups_are_told),
         IN_A_FOLDER(numbers_begin_at_1),
         IN_A_FOLDER(regions_in_turn_are_converted),
         IN_A_FOLDER(data_are_converted),

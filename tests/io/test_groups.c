@@ -59,6 +59,28 @@ static void names_come_first(void **state) {
     check(&io_format_off, "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "");
 }
 
+/** Several numbers of one name are one group, which has the elements of each of them once. */
+static void numbers_of_a_name_are_counted(void **state) {
+    (void)state;
+    check(&io_format_gmsh,
+          "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"
+          "$PhysicalNames\n6\n3 2 \"A\"\n2 1 \"A\"\n3 9 \"B\"\n3 1 \"A\"\n3 2 \"A\"\n3 4 \"A\"\n"
+          "$EndPhysicalNames\n" NODES
+          "$Elements\n5\n1 4 2 1 1 1 2 3 4\n2 4 2 2 2 1 2 3 4\n3 4 2 2 3 1 2 3 4\n"
+          "4 2 2 1 4 1 2 3\n5 4 2 4 5 1 2 3 4\n$EndElements\n",
+          "3 A (4)|2 A (1)|3 B (0)|");
+    check(&io_format_mfem,
+          "MFEM mesh v1.3\n\ndimension\n2\n\nelements\n3\n1 2 0 1 2\n2 2 1 3 2\n3 2 1 4 3\n\n"
+          "attribute_sets\n2\n\"A\"\n2\n1 3\n\"only\"\n1\n2\n\nboundary\n0\n\n"
+          "bdr_attribute_sets\n0\n\nvertices\n5\n2\n0 0\n1 0\n0 1\n1 1\n2 0\n\nmfem_mesh_end\n",
+          "2 A (2)|2 only (1)|");
+    check(&io_format_nastran,
+          "BEGIN BULK\n$HMNAME PROP 1\"A\"\n$HMNAME PROP 2\"A\"\n"
+          "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nGRID,4,,0.,0.,1.\n"
+          "CTRIA3,1,1,1,2,3\nCTRIA3,2,2,1,2,4\nCTRIA3,3,2,1,3,4\nENDDATA\n",
+          "2 A (3)|");
+}
+
 /** Every group that is listed can be held. */
 static void each_is_a_tag(void **state) {
     (void)state;
@@ -99,6 +121,7 @@ static void arguments_are_checked(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(names_come_first),
+        cmocka_unit_test(numbers_of_a_name_are_counted),
         cmocka_unit_test(each_is_a_tag),
         cmocka_unit_test(arguments_are_checked),
     };

@@ -13,6 +13,7 @@
 
 #include <inttypes.h>
 #include <string.h>
+#include <strings.h>
 
 /** C3D27 has the node of its inside before those of its faces, which begin with that of the first
  *  four corners. */
@@ -48,11 +49,17 @@ static const io_view_type plane_types[] = {{PLANISH_CELL_TRIANGLE, "CPS3", 0},
                                            {PLANISH_CELL_LINE3, "T2D3", 0},
                                            {0, NULL, 0}};
 
+/** Whether a name has '_' in place of a character. */
+static int is_replaced(char c) {
+    return c == '"' || (unsigned char)c < ' ';
+}
+
 /** Put a name between quotes, as it has to be where there are blanks. */
 static void put_name(io_writer *writer, const char *name) {
+    const int length = io_view_name_length(name, IO_VIEW_MOST_NAME);
     io_put_text(writer, "\"");
-    for (int i = 0; i < IO_VIEW_MOST_NAME && name[i]; i++)
-        io_put_bytes(writer, name[i] == '"' || (unsigned char)name[i] < ' ' ? "_" : name + i, 1);
+    for (int i = 0; i < length; i++)
+        io_put_bytes(writer, is_replaced(name[i]) ? "_" : name + i, 1);
     io_put_text(writer, "\"");
 }
 
@@ -100,10 +107,16 @@ static void put_block(io_writer *writer, const io_view *view, const io_view_bloc
 
 /* ---- groups --------------------------------------------------------------------------------- */
 
+/* No group can be what others of its number are written by: there are no others; names are shared. */
+enum { ONLY_GROUP = -1, NO_LISTED = -2 };
+
 /** Members of groups: of the first group of each number blocks that begin a set, or nodes. */
 typedef struct group_members {
     int64_t *start, *end; /* [n_groups + 1] of each group in member; end: so far */
     int64_t *member;
+    int32_t *listed; /* [n_groups] of the first group of each number: the group of this number whose
+                        name no other group has, or ONLY_GROUP, or NO_LISTED */
+    int n_marks;     /* of find_marks */
 } group_members;
 
 /** Put a thing into the groups of an entity that have its dimension: count it, or list it. */
@@ -129,6 +142,63 @@ static void add_members(const io_view *view, const io_view_blocks *blocks, group
         add_member(view, model->node_entity[i], i, m);
 }
 
+/** Find the groups whose names others have, too, as cut ones may: *is_shared [n_groups], owned in any case. */
+static int find_shared(const io_view *view, uint8_t **is_shared, planish_error *error) {
+    const int64_t n = view->model->n_groups;
+    int32_t *first;
+    int status = io_view_find_names(view, &first, error);
+    *is_shared = pl_alloc_zero(n, 1);
+    if (!status && !*is_shared)
+        status = pl_fail_memory(error, "groups");
+    for (int64_t g = 0; g < n && !status; g++) {
+        const int is_cut = strlen(view->model->group[g].name) > IO_VIEW_MOST_NAME;
+        if (first[g] < g || is_cut)
+            (*is_shared)[g] = (*is_shared)[first[g]] = 1;
+    }
+    pl_free(first);
+    return status;
+}
+
+/** Return how many '_' a name "GROUP___1" needs that no group has, as far as names are written. */
+static int find_marks(const io_model *model) {
+    static const char start[] = "GROUP";
+    int n_marks = 0;
+    for (int32_t g = 0; g < model->n_groups; g++) {
+        const char *name = model->group[g].name;
+        if (strncasecmp(name, start, strlen(start)) != 0)
+            continue;
+        int n = 0;
+        for (name += strlen(start); *name == '_' || (*name && is_replaced(*name)); name++)
+            n++;
+        if (*name >= '0' && *name <= '9' && n >= n_marks && n < IO_VIEW_MOST_NAME)
+            n_marks = n + 1;
+    }
+    return n_marks;
+}
+
+/** Find the groups that others of their number can be written by. */
+static int find_listed(const io_view *view, group_members *m, planish_error *error) {
+    const io_group *group = view->model->group;
+    const int64_t n = view->model->n_groups;
+    uint8_t *is_shared;
+    int status = find_shared(view, &is_shared, error);
+    m->listed = pl_alloc(n, sizeof *m->listed);
+    if (!status && !m->listed)
+        status = pl_fail_memory(error, "groups");
+    for (int32_t g = 0; g < n && !status; g++) {
+        const int32_t first = io_view_first_group(view, group[g].dim, group[g].tag);
+        int32_t *listed = &m->listed[first]; /* which is not behind g */
+        if (first == g)
+            *listed = ONLY_GROUP;
+        else if (*listed == ONLY_GROUP)
+            *listed = is_shared[first] ? NO_LISTED : first;
+        if (first < g && *listed == NO_LISTED && !is_shared[g])
+            *listed = g;
+    }
+    pl_free(is_shared);
+    return status;
+}
+
 /** Find the members of all groups. To be released in any case. */
 static int find_members(const io_view *view, const io_view_blocks *blocks, group_members *m,
                         planish_error *error) {
@@ -146,37 +216,70 @@ static int find_members(const io_view *view, const io_view_blocks *blocks, group
     if (!m->member)
         return pl_fail_memory(error, "groups");
     add_members(view, blocks, m);
-    return PLANISH_OK;
+    m->n_marks = find_marks(view->model);
+    return find_listed(view, m, error);
 }
 
 static void release_members(group_members *m) {
+    pl_free(m->listed);
     pl_free(m->start);
     pl_free(m->end);
     pl_free(m->member);
 }
 
-/** Put a group: the sets of its entities, or its nodes; of a further name of one number the set of the
- *  first. */
-static void put_group(io_writer *writer, const io_view *view, const io_view_blocks *blocks,
-                      const group_members *m, int32_t g) {
-    const io_group *group = &view->model->group[g];
-    const int32_t first = io_view_first_group(view, group->dim, group->tag);
-    if (m->end[first] == m->start[first])
-        return;
+static void put_keyword(io_writer *writer, const io_group *group) {
     io_put_text(writer, group->dim > 0 ? "*ELSET, ELSET=" : "*NSET, NSET=");
-    put_name(writer, group->name);
-    io_put_text(writer, "\n");
-    if (first < g) {
-        put_name(writer, view->model->group[first].name);
-        io_put_text(writer, "\n");
-    }
-    for (int64_t i = m->start[first]; i < m->end[first] && first == g; i++) {
-        if (group->dim > 0)
+}
+
+/** Put the members of a number, of which first is the first group: sets of entities, or nodes. */
+static void put_members(io_writer *writer, const io_view *view, const io_view_blocks *blocks,
+                        const group_members *m, int32_t first) {
+    for (int64_t i = m->start[first]; i < m->end[first]; i++) {
+        if (view->model->group[first].dim > 0)
             put_set(writer, &blocks->block[m->member[i]]);
         else
             io_put_integer(writer, 0, io_view_node_number(view, m->member[i]));
         io_put_text(writer, "\n");
     }
+}
+
+/** Put the name of the set that groups of one number are written by. */
+static void put_listed(io_writer *writer, const io_view *view, const group_members *m,
+                       int32_t first) {
+    if (m->listed[first] >= 0)
+        put_name(writer, view->model->group[m->listed[first]].name);
+    else {
+        io_put_text(writer, "GROUP");
+        for (int i = 0; i < m->n_marks; i++)
+            io_put_text(writer, "_");
+        io_put_integer(writer, 0, first + 1);
+    }
+    io_put_text(writer, "\n");
+}
+
+/** Put a group: its members, or the set that it and the others of its number are written by, so that no
+ *  members are written twice. The first group puts that set. */
+static void put_group(io_writer *writer, const io_view *view, const io_view_blocks *blocks,
+                      const group_members *m, int32_t g) {
+    const io_group *group = &view->model->group[g];
+    const int32_t first = io_view_first_group(view, group->dim, group->tag);
+    const int is_only = m->listed[first] == ONLY_GROUP;
+    if (m->end[first] == m->start[first])
+        return;
+    if (g == first && !is_only) {
+        put_keyword(writer, group);
+        put_listed(writer, view, m, first);
+        put_members(writer, view, blocks, m, first);
+    }
+    if (g == m->listed[first])
+        return;
+    put_keyword(writer, group);
+    put_name(writer, group->name);
+    io_put_text(writer, "\n");
+    if (is_only)
+        put_members(writer, view, blocks, m, first);
+    else
+        put_listed(writer, view, m, first);
 }
 
 static int put_groups(io_writer *writer, const io_view *view, const io_view_blocks *blocks,
@@ -213,14 +316,17 @@ static void lose_type_names(const io_view *view, const io_view_type *types, io_l
     }
 }
 
-/** Note that names are longer than Abaqus takes them. */
-static void lose_short_names(const io_model *model, io_losses *losses) {
+/** Note names that are longer than Abaqus takes them, and those that are cut. */
+static void lose_names(const io_model *model, io_losses *losses) {
     enum { MOST_NAME = 80 };
-    int are_long = 0;
+    int64_t n_long = 0;
     for (int32_t i = 0; i < model->n_groups; i++)
-        are_long |= strlen(model->group[i].name) > MOST_NAME;
-    if (are_long)
-        io_losses_add(losses, "names of at most %d characters, as Abaqus needs them", MOST_NAME);
+        n_long += strlen(model->group[i].name) > MOST_NAME;
+    if (n_long > 0)
+        io_losses_add(losses,
+                      "names that Abaqus takes (of at most %d characters) for %" PRId64 " group%s",
+                      MOST_NAME, n_long, n_long > 1 ? "s" : "");
+    io_view_lose_ends(model, losses);
 }
 
 static int abaqus_write(const io_view *view, pl_output *output, io_losses *losses,
@@ -235,7 +341,7 @@ static int abaqus_write(const io_view *view, pl_output *output, io_losses *losse
         status = put_groups(&writer, view, &blocks, error);
         io_view_lose_types(types, &blocks, losses);
         lose_type_names(view, types, losses);
-        lose_short_names(view->model, losses);
+        lose_names(view->model, losses);
         io_view_lose_fields(view, losses);
     }
     io_view_blocks_release(&blocks);

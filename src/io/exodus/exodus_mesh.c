@@ -110,10 +110,11 @@ void exodus_name_block(const exodus_mesh *mesh, const exodus_out_block *block,
     if (block->group < 0)
         return;
     const char *of_group = mesh->view->model->group[block->group].name;
+    const int length = io_view_name_length(of_group, EXODUS_CUT_NAME);
     if (block->is_first)
-        snprintf(name, EXODUS_MOST_NAME + 1, "%.*s", EXODUS_CUT_NAME, of_group);
+        snprintf(name, EXODUS_MOST_NAME + 1, "%.*s", length, of_group);
     else
-        snprintf(name, EXODUS_MOST_NAME + 1, "%.*s_%" PRId32, EXODUS_CUT_NAME, of_group, block->id);
+        snprintf(name, EXODUS_MOST_NAME + 1, "%.*s_%" PRId32, length, of_group, block->id);
 }
 
 /* ---- components ----------------------------------------------------------------------------- */

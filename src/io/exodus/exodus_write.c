@@ -259,13 +259,15 @@ static void put_names(exodus_out *e, out_kind kind, int64_t of) {
         netcdf_put_text(&e->file, name, e->mesh.name_size);
     }
     for (int64_t i = 0; kind == OUT_SET_NAMES && i < e->mesh.sets[of].n; i++) {
-        snprintf(name, sizeof name, "%.*s", EXODUS_CUT_NAME, e->mesh.sets[of].group[i].name);
+        const char *of_set = e->mesh.sets[of].group[i].name;
+        snprintf(name, sizeof name, "%.*s", io_view_name_length(of_set, EXODUS_CUT_NAME), of_set);
         netcdf_put_text(&e->file, name, e->mesh.name_size);
     }
     for (int64_t i = 0; kind == OUT_COMPONENT_NAMES && i < e->mesh.n_components[of]; i++) {
         const exodus_component *component = &e->mesh.component[of][i];
-        snprintf(name, sizeof name, "%.*s%s", EXODUS_CUT_NAME, component->field->name,
-                 component->suffix);
+        const char *of_field = component->field->name;
+        snprintf(name, sizeof name, "%.*s%s", io_view_name_length(of_field, EXODUS_CUT_NAME),
+                 of_field, component->suffix);
         netcdf_put_text(&e->file, name, e->mesh.name_size);
     }
     for (int axis = 0; axis < e->mesh.columns && kind == OUT_AXIS_NAMES; axis++)

@@ -18,28 +18,6 @@
 
 /* ---- understanding tags ------------------------------------------------------------------- */
 
-static int has_physical(const io_entity *entity, int64_t number) {
-    for (int i = 0; i < entity->n_physical; i++)
-        if (entity->physical[i] == number)
-            return 1;
-    return 0;
-}
-
-/** Choose the entities (of dimension dim, -1: any) of a number: by physical groups, else by their
- *  own tags. Returns whether there are any. */
-static int choose_number(const io_model *model, int dim, int64_t number, uint8_t *chosen) {
-    int found = 0;
-    for (int physical = 1; physical >= 0 && !found; physical--)
-        for (int32_t i = 0; i < model->n_entities; i++) {
-            const io_entity *entity = &model->entity[i];
-            if (dim >= 0 && entity->dim != dim)
-                continue;
-            if (physical ? has_physical(entity, number) : entity->tag == number)
-                found = chosen[i] = 1;
-        }
-    return found;
-}
-
 /** Number of a group that is chosen. */
 typedef struct chosen_number {
     int dim;
@@ -59,8 +37,50 @@ static chosen_number *find_number(chosen_number *numbers, int64_t n, int dim, in
     return bsearch(&key, numbers, (size_t)n, sizeof key, compare_numbers);
 }
 
-/** Choose the entities of numbers [n], which are sorted for that, as choose_number does: groups of one
- *  name may be many, and entities, too. */
+/** Choose the entities that have numbers [n], sorted and distinct, as physical groups. Returns whether
+ *  there are any. */
+static int choose_physical(const io_model *model, chosen_number *numbers, int64_t n,
+                           uint8_t *chosen) {
+    int is_any = 0;
+    for (int32_t i = 0; i < model->n_entities && n > 0; i++) {
+        const io_entity *e = &model->entity[i];
+        for (int k = 0; k < e->n_physical; k++) {
+            chosen_number *found = find_number(numbers, n, e->dim, e->physical[k]);
+            if (found)
+                is_any = found->is_physical = chosen[i] = 1;
+        }
+    }
+    return is_any;
+}
+
+/** Choose the entities whose own tags are numbers [n] that choose_physical did not find. Returns whether
+ *  there are any. */
+static int choose_own(const io_model *model, chosen_number *numbers, int64_t n, uint8_t *chosen) {
+    int is_any = 0;
+    for (int32_t i = 0; i < model->n_entities && n > 0; i++) {
+        const io_entity *e = &model->entity[i];
+        const chosen_number *found = find_number(numbers, n, e->dim, e->tag);
+        if (found && !found->is_physical)
+            is_any = chosen[i] = 1;
+    }
+    return is_any;
+}
+
+/** Choose the entities (of dimension dim, -1: any) of a number: by physical groups, else by their
+ *  own tags. Returns whether there are any. */
+static int choose_number(const io_model *model, int dim, int64_t number, uint8_t *chosen) {
+    chosen_number numbers[4];
+    int n = 0;
+    if (number < INT32_MIN || number > INT32_MAX)
+        return 0;
+    for (int d = 0; d <= 3; d++)
+        if (dim < 0 || dim == d)
+            numbers[n++] = (chosen_number){d, (int32_t)number, 0};
+    return choose_physical(model, numbers, n, chosen) || choose_own(model, numbers, n, chosen);
+}
+
+/** Choose the entities of numbers [n], which are sorted for that, each as choose_number does: groups of
+ *  one name may be many, and entities, too. */
 static void choose_numbers(const io_model *model, chosen_number *numbers, int64_t n,
                            uint8_t *chosen) {
     int64_t n_kept = 0;
@@ -68,20 +88,8 @@ static void choose_numbers(const io_model *model, chosen_number *numbers, int64_
     for (int64_t i = 0; i < n; i++)
         if (i == 0 || compare_numbers(&numbers[i], &numbers[n_kept - 1]) != 0)
             numbers[n_kept++] = numbers[i];
-    for (int32_t i = 0; i < model->n_entities && n > 0; i++) {
-        const io_entity *e = &model->entity[i];
-        for (int k = 0; k < e->n_physical; k++) {
-            chosen_number *found = find_number(numbers, n_kept, e->dim, e->physical[k]);
-            if (found)
-                found->is_physical = chosen[i] = 1;
-        }
-    }
-    for (int32_t i = 0; i < model->n_entities && n > 0; i++) {
-        const io_entity *e = &model->entity[i];
-        const chosen_number *found = find_number(numbers, n_kept, e->dim, e->tag);
-        if (found && !found->is_physical)
-            chosen[i] = 1;
-    }
+    choose_physical(model, numbers, n_kept, chosen);
+    choose_own(model, numbers, n_kept, chosen);
 }
 
 enum { MOST_LISTED = 10, TAG_SIZE = 64 };

@@ -70,17 +70,51 @@ static void find_named(const io_model *model, numbered *named) {
     qsort(named, (size_t)model->n_groups, sizeof *named, compare);
 }
 
-/** Fill in the list: names, then numbers [n] that are not among named [n_groups], whose texts have room in
- *  text. */
-static void fill(const io_model *model, const numbered *named, const numbered *number, int64_t n,
-                 char *text, planish_file *file) {
-    planish_group *group = file->group;
-    for (int32_t i = 0; i < model->n_groups; i++) {
-        const numbered key = {model->group[i].dim, model->group[i].tag, 0};
-        const numbered *found = bsearch(&key, number, (size_t)n, sizeof *number, compare);
-        *group++ =
-            (planish_group){.tag = model->group[i].name, .dim = key.dim, .n = found ? found->n : 0};
+/** Order groups by dimension, name and number. */
+static int compare_groups(const void *a, const void *b) {
+    const io_group *p = *(const io_group *const *)a, *q = *(const io_group *const *)b;
+    if (p->dim != q->dim)
+        return p->dim < q->dim ? -1 : 1;
+    const int order = strcmp(p->name, q->name);
+    return order ? order : (p->tag > q->tag) - (p->tag < q->tag);
+}
+
+static int are_of_one_name(const io_group *a, const io_group *b) {
+    return a->dim == b->dim && strcmp(a->name, b->name) == 0;
+}
+
+/** Count the elements or nodes of groups [n_groups] of one name and dimension together, each number once:
+ *  count[i] of the first in the file, -1 of the others. sorted [n_groups] is room. */
+static void count_named(const io_model *model, const numbered *number, int64_t n,
+                        const io_group **sorted, int64_t *count) {
+    const int64_t n_groups = model->n_groups;
+    for (int64_t i = 0; i < n_groups; i++)
+        sorted[i] = &model->group[i];
+    qsort(sorted, (size_t)n_groups, sizeof *sorted, compare_groups);
+    for (int64_t begin = 0, end = 0; begin < n_groups; begin = end) {
+        const io_group *first = sorted[begin];
+        int64_t total = 0;
+        for (; end < n_groups && are_of_one_name(sorted[begin], sorted[end]); end++) {
+            const numbered key = {sorted[end]->dim, sorted[end]->tag, 0};
+            const numbered *found = bsearch(&key, number, (size_t)n, sizeof *number, compare);
+            const int is_counted = end > begin && sorted[end - 1]->tag == key.number;
+            total += found && !is_counted ? found->n : 0;
+            first = sorted[end] < first ? sorted[end] : first;
+            count[sorted[end] - model->group] = -1;
+        }
+        count[first - model->group] = total;
     }
+}
+
+/** Fill in the list: names with their count [n_groups] of count_named, then numbers [n] that are not among
+ *  named [n_groups], whose texts have room in text. */
+static void fill(const io_model *model, const int64_t *count, const numbered *named,
+                 const numbered *number, int64_t n, char *text, planish_file *file) {
+    planish_group *group = file->group;
+    for (int32_t i = 0; i < model->n_groups; i++)
+        if (count[i] >= 0)
+            *group++ = (planish_group){
+                .tag = model->group[i].name, .dim = model->group[i].dim, .n = count[i]};
     for (int64_t i = 0; i < n && !model->groups_by_name; i++) {
         if (bsearch(&number[i], named, (size_t)model->n_groups, sizeof *named, compare))
             continue;
@@ -98,14 +132,21 @@ static int make_list(planish_file *file) {
     numbered *number = pl_alloc(n_numbers, sizeof *number);
     numbered *named = pl_alloc(model->n_groups, sizeof *named);
     int64_t *used = pl_alloc_zero(model->n_entities, sizeof *used);
+    const io_group **sorted = pl_alloc(model->n_groups, sizeof *sorted);
+    int64_t *count = pl_alloc(model->n_groups, sizeof *count);
     file->group = pl_alloc(model->n_groups + n_numbers, sizeof *file->group);
     file->group_text = pl_alloc(n_numbers, NUMBER_SIZE);
-    const int has_memory = number && named && used && file->group && file->group_text;
+    const int has_memory =
+        number && named && used && sorted && count && file->group && file->group_text;
     if (has_memory) {
         count_used(model, used);
         find_named(model, named);
-        fill(model, named, number, find_numbers(model, used, number), file->group_text, file);
+        const int64_t n = find_numbers(model, used, number);
+        count_named(model, number, n, sorted, count);
+        fill(model, count, named, number, n, file->group_text, file);
     }
+    pl_free(count);
+    pl_free(sorted);
     pl_free(used);
     pl_free(named);
     pl_free(number);

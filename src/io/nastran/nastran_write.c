@@ -107,28 +107,13 @@ static void put_property_name(nastran_out *n, const io_view_block *block) {
     if (g < 0)
         return;
     const char *name = n->view->model->group[g].name;
+    const int length = io_view_name_length(name, IO_VIEW_MOST_NAME);
     io_put_format(&n->writer, "$HMNAME PROP%*s%*" PRId32 "\"", FIELD + 1, "", FIELD,
                   block->property);
-    for (int i = 0; i < IO_VIEW_MOST_NAME && name[i]; i++)
+    for (int i = 0; i < length; i++)
         io_put_bytes(&n->writer, name[i] == '"' || (unsigned char)name[i] < ' ' ? "_" : name + i,
                      1);
     io_put_text(&n->writer, "\"\n");
-}
-
-/** Note the groups that no property can have. */
-static void lose_groups(const io_view *view, io_losses *losses) {
-    const io_model *model = view->model;
-    int n_of_nodes = 0, n_several = 0;
-    for (int32_t g = 0; g < model->n_groups; g++)
-        n_of_nodes += model->group[g].dim == 0;
-    for (int32_t e = 0; e < model->n_entities; e++) {
-        const int32_t first = model->entity[e].dim > 0 ? io_view_next_group(view, e, -1) : -1;
-        n_several += first >= 0 && io_view_next_group(view, e, first) >= 0;
-    }
-    if (n_of_nodes > 0)
-        io_losses_add(losses, "groups of nodes");
-    if (n_several > 0)
-        io_losses_add(losses, "all but the first group of elements that are in several");
 }
 
 static int nastran_write(const io_view *view, pl_output *output, io_losses *losses,
@@ -152,7 +137,7 @@ static int nastran_write(const io_view *view, pl_output *output, io_losses *loss
             put_block(&n, &blocks.block[b]);
         io_put_text(&n.writer, "ENDDATA\n");
         io_view_lose_types(types, &blocks, losses);
-        lose_groups(view, losses);
+        io_view_lose_others(view, losses);
         io_view_lose_fields(view, losses);
         io_losses_add(losses, "digits of coordinates beyond 16 characters");
     }

@@ -76,7 +76,8 @@ static void put_name(surface_out *s, const io_view_block *block) {
         return;
     }
     const char *name = model->group[g].name;
-    for (int i = 0; i < IO_VIEW_MOST_NAME && name[i]; i++)
+    const int length = io_view_name_length(name, IO_VIEW_MOST_NAME);
+    for (int i = 0; i < length; i++)
         io_put_bytes(&s->writer, (unsigned char)name[i] <= ' ' ? "_" : name + i, 1);
 }
 
@@ -228,7 +229,9 @@ static void list_losses(const surface_out *s, int has_names, io_losses *losses) 
         io_losses_add(losses, "%" PRId64 " solid elements and lines", view->n_cells - s->n_facets);
     if (n_curved > 0)
         io_losses_add(losses, "mids of %" PRId64 " elements", n_curved);
-    if (!has_names)
+    if (has_names)
+        io_view_lose_others(view, losses);
+    else
         io_view_lose_groups(view, losses);
     io_view_lose_numbers(view, losses);
     io_view_lose_fields(view, losses);

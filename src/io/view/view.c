@@ -243,6 +243,30 @@ void io_view_lose_groups(const io_view *view, io_losses *losses) {
         io_losses_add(losses, "all but the first group of elements that are in several");
 }
 
+void io_view_lose_ends(const io_model *model, io_losses *losses) {
+    int is_cut = 0;
+    for (int64_t i = 0; i < model->n_groups; i++)
+        is_cut |= strlen(model->group[i].name) > IO_VIEW_MOST_NAME;
+    if (is_cut)
+        io_losses_add(losses, "the ends of names of more than %d bytes", IO_VIEW_MOST_NAME);
+}
+
+void io_view_lose_others(const io_view *view, io_losses *losses) {
+    const io_model *model = view->model;
+    int n_of_nodes = 0, n_several = 0;
+    for (int64_t i = 0; i < model->n_groups; i++)
+        n_of_nodes += model->group[i].dim == 0;
+    for (int32_t e = 0; e < model->n_entities; e++) {
+        const int32_t first = model->entity[e].dim > 0 ? io_view_next_group(view, e, -1) : -1;
+        n_several += first >= 0 && io_view_next_group(view, e, first) >= 0;
+    }
+    if (n_of_nodes > 0)
+        io_losses_add(losses, "groups of nodes");
+    if (n_several > 0)
+        io_losses_add(losses, "all but the first group of elements that are in several");
+    io_view_lose_ends(model, losses);
+}
+
 void io_view_lose_numbers(const io_view *view, io_losses *losses) {
     const io_model *model = view->model;
     int is_lost = model->node_number != NULL;

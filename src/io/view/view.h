@@ -120,6 +120,9 @@ void io_view_mark_groups(const io_view *view, int32_t entity, uint8_t *mark);
 /** Find the first group of the name of each: *first [n_groups], owned in any case. Error: _MEMORY. */
 int io_view_find_names(const io_view *view, int32_t **first, planish_error *error);
 
+/** Return how many bytes of a name to write where at most so many fit: no character of UTF-8 is cut. */
+int io_view_name_length(const char *name, int most);
+
 /** Write the group as "DIM:TAG NAME"; return snprintf's. */
 int io_view_group_text(const io_model *model, int32_t group, char *text, size_t size);
 
@@ -146,8 +149,11 @@ typedef struct io_losses {
 void io_losses_add(io_losses *losses, const char *format, ...) PL_PRINTF(2, 3);
 
 /** Note data that formats cannot store: names of groups and all but the first number of each element;
+ *  the ends of names behind IO_VIEW_MOST_NAME; where elements have one name: these and other groups;
  *  numbers of nodes and elements, where they are other ones than their order; arrays of numbers. */
 void io_view_lose_groups(const io_view *view, io_losses *losses);
+void io_view_lose_ends(const io_model *model, io_losses *losses);
+void io_view_lose_others(const io_view *view, io_losses *losses);
 void io_view_lose_numbers(const io_view *view, io_losses *losses);
 void io_view_lose_fields(const io_view *view, io_losses *losses);
 

@@ -111,6 +111,17 @@ int io_view_group_text(const io_model *model, int32_t group, char *text, size_t 
 
 /* ---- names ---------------------------------------------------------------------------------- */
 
+int io_view_name_length(const char *name, int most) {
+    enum { MOST_TAIL = 3 }; /* bytes of a character behind its first one */
+    const size_t length = strlen(name);
+    int cut = most;
+    if (length <= (size_t)most)
+        return (int)length;
+    while (cut > 0 && cut > most - MOST_TAIL && (name[cut] & 0xC0) == 0x80)
+        cut--;
+    return (name[cut] & 0xC0) == 0x80 ? most : cut; /* bytes that are no UTF-8 are cut anywhere */
+}
+
 typedef struct named_group {
     const char *name;
     int32_t group;
