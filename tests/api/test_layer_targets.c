@@ -415,6 +415,31 @@ static void heights_need_marks(void **state) {
     forget(&l);
 }
 
+/* Heights are asked of the reference, so that its coordinates are numbers. */
+static void a_reference_that_is_not_finite_is_refused(void **state) {
+    (void)state;
+    for (int k = 0; k < N_KINDS; k++) {
+        layers l = make_layers(kinds[k]);
+        planish_layer_heights heights;
+        planish_cell_quality quality;
+        planish_error error;
+        double *reference = test_copy_of(&l.mesh);
+        const int64_t node = l.mesh.n_nodes / 2;
+        const planish_options options = test_options(1);
+        reference[node * l.mesh.dim + 1] = k % 2 ? NAN : -INFINITY;
+        l.mesh.reference = reference;
+        assert_int_equal(planish_measure_layers(&l.mesh, 1, &heights, NULL, &error),
+                         PLANISH_ERROR_MESH);
+        assert_int_equal(error.node, node);
+        assert_int_equal(planish_measure_cells(&l.mesh, 0, 1, &quality, NULL, &error),
+                         PLANISH_ERROR_MESH);
+        assert_int_equal(error.node, node);
+        test_expect_refusal(&l.mesh, &options, PLANISH_ERROR_MESH, "finite");
+        free(reference);
+        forget(&l);
+    }
+}
+
 /* Without a mark there is no target, whatever the reference. */
 static void no_layers_are_no_targets(void **state) {
     (void)state;
@@ -544,6 +569,7 @@ int main(void) {
         cmocka_unit_test(heights_are_measured_by_rows),
         cmocka_unit_test(heights_are_measured_under_moved_walls),
         cmocka_unit_test(heights_need_marks),
+        cmocka_unit_test(a_reference_that_is_not_finite_is_refused),
         cmocka_unit_test(bits_are_the_same),
         cmocka_unit_test(periodic_layers_keep_their_heights),
         cmocka_unit_test(any_marks_are_taken),
