@@ -498,7 +498,7 @@ int cells_levels_allowed(int a, int level_a, int b, int level_b) {
     if (a == CELLS_LEAST && b == CELLS_AROUND)
         return level_a != 3 || level_b == 0;
     if (a == CELLS_PERIODIC && b == CELLS_TARGET)
-        return level_a == 0 || level_b == TARGET_NONE;
+        return level_a == 0 || level_b == TARGET_NONE || level_b == TARGET_LAYER;
     return 1;
 }
 
