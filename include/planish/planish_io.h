@@ -337,9 +337,8 @@ PLANISH_API int64_t planish_file_node_number(const planish_file *file, int64_t n
  * Fill text [size] with the name of its group, or with "DIM:N" if the name means elements of other
  * dimensions, too, or is missing. Fill it with "" if the file has no regions, or no tag for this
  * one. If an element is in several groups, the first named group counts. Returns the length of the
- * tag as snprintf does (with NULL and 0 only the length), or PLANISH_ERROR_ARGUMENT. The time
- * depends on the number of the file's regions: elements of one region (planish_file_surface) have
- * the same tag. */
+ * tag as snprintf does (with NULL and 0 only the length), or PLANISH_ERROR_ARGUMENT. Elements of one
+ * region (planish_file_surface) have the same tag. */
 PLANISH_API int planish_file_element_region(const planish_file *file, int64_t element, char *text,
                                             size_t size);
 

@@ -310,8 +310,8 @@ static void write_netcdf(const char *path, int64_t largest) {
     netcdf_out_begin(&out, &output, &error);
     out.largest = largest;
     out.n_records = 1;
-    const int n = netcdf_out_dimension(&out, "values", N_VALUES);
-    const int time = netcdf_out_dimension(&out, "time", 0);
+    const int n = netcdf_out_dimension(&out, (netcdf_out_name){{"values"}, {0}}, N_VALUES);
+    const int time = netcdf_out_dimension(&out, (netcdf_out_name){{"time"}, {0}}, 0);
     netcdf_out_text(&out, "title", "five!");
     netcdf_out_integer(&out, "whole", 3);
     netcdf_out_float(&out, "real", 0.5f);
@@ -319,12 +319,12 @@ static void write_netcdf(const char *path, int64_t largest) {
         netcdf_out_variable v = {.type = types[k], .n_dims = 1, .dim = {n}};
         v.attribute = k == 0 ? "unit" : NULL;
         v.text = "metre";
-        snprintf(v.name, sizeof v.name, "v%d", k);
+        v.name = (netcdf_out_name){{"v"}, {k + 1}};
         netcdf_out_variable_add(&out, &v);
     }
     netcdf_out_variable_add(
         &out, &(netcdf_out_variable){
-                  .name = "steps", .type = NETCDF_DOUBLE, .n_dims = 2, .dim = {time, n}});
+                  .name = {{"steps"}, {0}}, .type = NETCDF_DOUBLE, .n_dims = 2, .dim = {time, n}});
     netcdf_out_write(&out, put_values, NULL);
     assert_int_equal(netcdf_out_end(&out), 0);
     assert_int_equal(pl_output_finish(&output, &error), 0);
@@ -347,13 +347,13 @@ static void netcdf_files_are_written(void **state) {
             fail_msg("%s", error.text);
         assert_int_equal(header.n_records, 1);
         assert_int_equal(netcdf_header_dimension(&header, "values"), N_VALUES);
-        const netcdf_variable *v = netcdf_header_find(&header, "v0");
+        const netcdf_variable *v = netcdf_header_find(&header, "v1");
         const io_slice unit = netcdf_header_text_attribute(&header, v, "unit");
         assert_true(unit.begin && strncmp(unit.begin, "metre", 5) == 0);
         assert_memory_equal(bytes + v->begin, "a nam\0\0\0", 8);
-        v = netcdf_header_find(&header, "v1");
-        assert_memory_equal(bytes + v->begin + 4, "\377\377\377\377", 4);
         v = netcdf_header_find(&header, "v2");
+        assert_memory_equal(bytes + v->begin + 4, "\377\377\377\377", 4);
+        v = netcdf_header_find(&header, "v3");
         assert_memory_equal(bytes + v->begin + 8, "\100\0\0\0", 4);
         v = netcdf_header_find(&header, "steps");
         assert_true(v->is_record && v->n == N_VALUES && v->begin + 8 * N_VALUES == (int64_t)size);

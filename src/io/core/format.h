@@ -100,6 +100,19 @@ extern const io_format io_format_gmsh, io_format_medit, io_format_vtk, io_format
     io_format_ply, io_format_mfem, io_format_exodus, io_format_ucd, io_format_su2, io_format_unv,
     io_format_elmer, io_format_foam, io_format_xdmf;
 
+/** A group whose name is the tag of a region. */
+typedef struct io_named {
+    int64_t key;   /* its dimension and number */
+    int64_t group; /* of the model */
+} io_named;
+
+/** Sorted lists that tags of regions are looked up in (tags.c). */
+typedef struct io_tags {
+    io_named *named;   /* [n_named] sorted; owned */
+    int64_t *physical; /* [n_physical] keys of numbers of physical groups, sorted; owned */
+    int64_t n_named, n_physical;
+} io_tags;
+
 /** A file that has been read. */
 struct planish_file {
     io_model model;
@@ -112,6 +125,7 @@ struct planish_file {
     int32_t *facet;        /* corners of facets that say something, */
     int64_t *facet_offset; /* [n + 1] where they begin */
     int32_t *facet_tag;    /* and their regions, or NULL */
+    io_tags tags;
     /* planish_file_groups, once it was asked: */
     planish_group *group; /* [n_groups] owned; its tags are those of the model, or in */
     char *group_text;     /* owned */

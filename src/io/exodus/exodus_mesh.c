@@ -53,7 +53,7 @@ int exodus_next_cell(const exodus_mesh *mesh, const exodus_out_block *block, int
 }
 
 /** Add a block, if any of its cells is an element. facet: index of its first one, or -1. */
-static int add_block(exodus_mesh *mesh, const io_view_block *of, int64_t facet) {
+static void add_block(exodus_mesh *mesh, const io_view_block *of, int64_t facet) {
     exodus_out_block block = {.of = of,
                               .type = io_view_find_type(types, of->type),
                               .n = of->n,
@@ -65,8 +65,8 @@ static int add_block(exodus_mesh *mesh, const io_view_block *of, int64_t facet) 
     for (int64_t i = 0; i < of->n && facet >= 0; i++)
         block.n -= mesh->facets.side[facet + i].element > 0;
     mesh->n_elements += block.n;
-    return block.n == 0 ||
-           pl_append(&mesh->block, &mesh->n_blocks, &mesh->capacity, &block, sizeof block) != NULL;
+    if (block.n > 0)
+        mesh->block[mesh->n_blocks++] = block;
 }
 
 /** Give the blocks their ids, and find the first ones of each group. */
@@ -94,14 +94,14 @@ static int number_blocks(exodus_mesh *mesh, planish_error *error) {
 
 static int find_blocks(exodus_mesh *mesh, planish_error *error) {
     int64_t facet = 0;
-    int is_done = 1;
-    for (int64_t b = 0; b < mesh->blocks.n && is_done; b++) {
+    mesh->block = pl_alloc(mesh->blocks.n, sizeof *mesh->block);
+    for (int64_t b = 0; b < mesh->blocks.n && mesh->block; b++) {
         const io_view_block *block = &mesh->blocks.block[b];
         const int is_of_facets = block->dim == mesh->facets.dim;
-        is_done = add_block(mesh, block, is_of_facets ? facet : -1);
+        add_block(mesh, block, is_of_facets ? facet : -1);
         facet += is_of_facets ? block->n : 0;
     }
-    return is_done ? number_blocks(mesh, error) : pl_fail_memory(error, "blocks of elements");
+    return mesh->block ? number_blocks(mesh, error) : pl_fail_memory(error, "blocks of elements");
 }
 
 void exodus_name_block(const exodus_mesh *mesh, const exodus_out_block *block,

@@ -43,7 +43,7 @@ typedef struct exodus_mesh {
     exodus_facets facets;
     exodus_groups sets[2];   /* of nodes; of sides */
     exodus_out_block *block; /* [n_blocks] owned */
-    int64_t n_blocks, capacity;
+    int64_t n_blocks;
     int64_t n_elements;
     exodus_component *component[2]; /* of nodes; of elements: [n_components] owned */
     int64_t n_components[2];

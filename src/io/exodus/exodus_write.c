@@ -50,22 +50,34 @@ typedef struct out_dims {
     int time, name, four, columns, nodes, elements, blocks, sets[2], components[2];
 } out_dims;
 
+static netcdf_out_name named(const char *text) {
+    return (netcdf_out_name){{text}, {0}};
+}
+
+/** Return the name of block, set or component k (from 0): exodus_name_of. */
+static netcdf_out_name numbered(const char *text, int64_t k) {
+    return (netcdf_out_name){{text}, {(int32_t)k + 1}};
+}
+
+/** Return the name of a component's values in a block: exodus_values_name. */
+static netcdf_out_name values_of(int64_t component, int64_t block) {
+    return (netcdf_out_name){{"vals_elem_var", "eb"}, {(int32_t)component + 1, (int32_t)block + 1}};
+}
+
 /** Add a dimension of block or set k (from 0); of all: k is -1. Without a length there is none. */
 static int dimension(exodus_out *e, const char *name, int64_t k, int64_t length) {
-    return length > 0
-               ? netcdf_out_dimension(&e->file, k < 0 ? name : exodus_name_of(name, k).text, length)
-               : -1;
+    return length > 0 ? netcdf_out_dimension(&e->file, numbered(name, k), length) : -1;
 }
 
 /** Add a variable of one or two (dim2 not -1) dimensions. */
-static void add(exodus_out *e, const char *name, netcdf_type type, int dim1, int dim2,
+static void add(exodus_out *e, netcdf_out_name name, netcdf_type type, int dim1, int dim2,
                 out_kind kind, int64_t of1, int64_t of2) {
-    netcdf_out_variable v = {.type = type,
+    netcdf_out_variable v = {.name = name,
+                             .type = type,
                              .n_dims = dim2 < 0 ? 1 : 2,
                              .dim = {dim1, dim2},
                              .kind = (int)kind,
-                             .of = {of1, of2}};
-    snprintf(v.name, sizeof v.name, "%s", name);
+                             .of = {(int32_t)of1, (int32_t)of2}};
     if (kind == OUT_BLOCK_IDS || kind == OUT_SET_IDS) {
         v.attribute = "name";
         v.text = "ID";
@@ -83,7 +95,7 @@ static out_dims add_dimensions(exodus_out *e) {
     dimension(e, "len_line", -1, LINE);
     dimension(e, "four", -1, FOUR);
     d.name = dimension(e, "len_name", -1, e->mesh.name_size);
-    d.time = netcdf_out_dimension(&e->file, "time_step", 0);
+    d.time = netcdf_out_dimension(&e->file, named("time_step"), 0);
     d.columns = dimension(e, "num_dim", -1, e->mesh.columns);
     d.nodes = dimension(e, "num_nodes", -1, e->mesh.view->model->n_nodes);
     d.elements = dimension(e, "num_elem", -1, e->mesh.n_elements);
@@ -97,25 +109,25 @@ static out_dims add_dimensions(exodus_out *e) {
 
 static void add_mesh(exodus_out *e, const out_dims *d) {
     static const char *const places[] = {"coordx", "coordy", "coordz"};
-    add(e, "eb_status", NETCDF_INT, d->blocks, -1, OUT_ONES, e->mesh.n_blocks, 0);
-    add(e, "eb_prop1", NETCDF_INT, d->blocks, -1, OUT_BLOCK_IDS, 0, 0);
-    add(e, "eb_names", NETCDF_CHAR, d->blocks, d->name, OUT_BLOCK_NAMES, 0, 0);
+    add(e, named("eb_status"), NETCDF_INT, d->blocks, -1, OUT_ONES, e->mesh.n_blocks, 0);
+    add(e, named("eb_prop1"), NETCDF_INT, d->blocks, -1, OUT_BLOCK_IDS, 0, 0);
+    add(e, named("eb_names"), NETCDF_CHAR, d->blocks, d->name, OUT_BLOCK_NAMES, 0, 0);
     for (int axis = 0; axis < e->mesh.columns; axis++)
-        add(e, places[axis], e->is_float ? NETCDF_FLOAT : NETCDF_DOUBLE, d->nodes, -1,
+        add(e, named(places[axis]), e->is_float ? NETCDF_FLOAT : NETCDF_DOUBLE, d->nodes, -1,
             OUT_COORDINATES, axis, 0);
-    add(e, "coor_names", NETCDF_CHAR, d->columns, d->name, OUT_AXIS_NAMES, 0, 0);
+    add(e, named("coor_names"), NETCDF_CHAR, d->columns, d->name, OUT_AXIS_NAMES, 0, 0);
     if (e->mesh.has_numbers[0])
-        add(e, "node_num_map", NETCDF_INT, d->nodes, -1, OUT_NODE_NUMBERS, 0, 0);
+        add(e, named("node_num_map"), NETCDF_INT, d->nodes, -1, OUT_NODE_NUMBERS, 0, 0);
     if (e->mesh.has_numbers[1])
-        add(e, "elem_num_map", NETCDF_INT, d->elements, -1, OUT_ELEMENT_NUMBERS, 0, 0);
+        add(e, named("elem_num_map"), NETCDF_INT, d->elements, -1, OUT_ELEMENT_NUMBERS, 0, 0);
     for (int64_t b = 0; b < e->mesh.n_blocks; b++) {
         const int type = e->mesh.block[b].type->type;
         const int nodes =
             io_simplex_dim(type) == 1 ? 2 + io_has_mids(type) : io_cell_type_nodes(type);
         const int dim = dimension(e, "num_el_in_blk", b, e->mesh.block[b].n);
         e->mesh.block[b].dim = dim;
-        add(e, exodus_name_of("connect", b).text, NETCDF_INT, dim,
-            dimension(e, "num_nod_per_el", b, nodes), OUT_NODES, b, 0);
+        add(e, numbered("connect", b), NETCDF_INT, dim, dimension(e, "num_nod_per_el", b, nodes),
+            OUT_NODES, b, 0);
     }
 }
 
@@ -126,19 +138,17 @@ static void add_sets(exodus_out *e, const out_dims *d) {
         const int dim = d->sets[k];
         if (dim < 0)
             continue;
-        add(e, names[k][0], NETCDF_INT, dim, -1, OUT_ONES, e->mesh.sets[k].n, 0);
-        add(e, names[k][1], NETCDF_INT, dim, -1, OUT_SET_IDS, k, 0);
-        add(e, names[k][2], NETCDF_CHAR, dim, d->name, OUT_SET_NAMES, k, 0);
+        add(e, named(names[k][0]), NETCDF_INT, dim, -1, OUT_ONES, e->mesh.sets[k].n, 0);
+        add(e, named(names[k][1]), NETCDF_INT, dim, -1, OUT_SET_IDS, k, 0);
+        add(e, named(names[k][2]), NETCDF_CHAR, dim, d->name, OUT_SET_NAMES, k, 0);
         for (int64_t i = 0; i < e->mesh.sets[k].n; i++) {
             const int members = dimension(e, names[k][3], i, e->mesh.sets[k].group[i].n);
             if (k == 0) {
-                add(e, exodus_name_of("node_ns", i).text, NETCDF_INT, members, -1, OUT_SET_NODES, i,
-                    0);
+                add(e, numbered("node_ns", i), NETCDF_INT, members, -1, OUT_SET_NODES, i, 0);
                 continue;
             }
-            add(e, exodus_name_of("elem_ss", i).text, NETCDF_INT, members, -1, OUT_SET_ELEMENTS, i,
-                0);
-            add(e, exodus_name_of("side_ss", i).text, NETCDF_INT, members, -1, OUT_SET_SIDES, i, 0);
+            add(e, numbered("elem_ss", i), NETCDF_INT, members, -1, OUT_SET_ELEMENTS, i, 0);
+            add(e, numbered("side_ss", i), NETCDF_INT, members, -1, OUT_SET_SIDES, i, 0);
         }
     }
 }
@@ -147,16 +157,17 @@ static void add_values(exodus_out *e, const out_dims *d) {
     static const char *const names[] = {"name_nod_var", "name_elem_var"};
     for (int k = 0; k < 2; k++)
         if (e->mesh.n_components[k] > 0)
-            add(e, names[k], NETCDF_CHAR, d->components[k], d->name, OUT_COMPONENT_NAMES, k, 0);
+            add(e, named(names[k]), NETCDF_CHAR, d->components[k], d->name, OUT_COMPONENT_NAMES, k,
+                0);
     if (e->mesh.n_components[1] > 0)
-        add(e, "elem_var_tab", NETCDF_INT, d->blocks, d->components[1], OUT_TRUTH, 0, 0);
-    add(e, "time_whole", NETCDF_DOUBLE, d->time, -1, OUT_TIME, 0, 0);
+        add(e, named("elem_var_tab"), NETCDF_INT, d->blocks, d->components[1], OUT_TRUTH, 0, 0);
+    add(e, named("time_whole"), NETCDF_DOUBLE, d->time, -1, OUT_TIME, 0, 0);
     for (int64_t i = 0; i < e->mesh.n_components[0]; i++)
-        add(e, exodus_name_of("vals_nod_var", i).text, NETCDF_DOUBLE, d->time, d->nodes,
-            OUT_NODE_VALUES, i, 0);
+        add(e, numbered("vals_nod_var", i), NETCDF_DOUBLE, d->time, d->nodes, OUT_NODE_VALUES, i,
+            0);
     for (int64_t i = 0; i < e->mesh.n_components[1]; i++)
         for (int64_t b = 0; b < e->mesh.n_blocks && exodus_has_values(&e->mesh, b); b++)
-            add(e, exodus_values_name(1, i, b).text, NETCDF_DOUBLE, d->time, e->mesh.block[b].dim,
+            add(e, values_of(i, b), NETCDF_DOUBLE, d->time, e->mesh.block[b].dim,
                 OUT_ELEMENT_VALUES, i, b);
 }
 

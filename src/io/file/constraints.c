@@ -1,9 +1,9 @@
 /* constraints: which nodes a file holds: on its lower elements, marked, between regions, named; and
- * the minimum volumes of the elements of named groups; and the tag by which an element's group is
- * named.
+ * the minimum volumes of the elements of named groups.
  */
 #include "io/core/cell_types.h"
 #include "io/file/plane.h"
+#include "io/file/tags.h"
 
 #include "base/context.h"
 #include "base/memory.h"
@@ -16,28 +16,7 @@
 #include <string.h>
 #include <strings.h>
 
-/** A tag of the command line: a name, or a number with or without a dimension. */
-typedef struct tag {
-    const char *name;
-    int has_number, dim; /* dim -1: any */
-    int64_t number;
-} tag;
-
 /* ---- understanding tags ------------------------------------------------------------------- */
-
-/** Understand text; dim: of the group if the text does not say. */
-static tag tag_parse(const char *text, int dim) {
-    tag t = {text, 0, dim, 0};
-    char *end;
-    const char *digits = text;
-    if (text[0] >= '0' && text[0] <= '3' && text[1] == ':') {
-        t.dim = text[0] - '0';
-        digits = text + 2;
-    }
-    t.number = strtoll(digits, &end, 10);
-    t.has_number = end != digits && *end == '\0';
-    return t;
-}
 
 static int has_physical(const io_entity *entity, int64_t number) {
     for (int i = 0; i < entity->n_physical; i++)
@@ -192,7 +171,7 @@ static int fail_tag(const io_model *model, const char *text, int dim, planish_er
  *  name, or by a number, which entities have or which only a name knows. */
 static int choose_tag(const io_model *model, const char *text, int dim, uint8_t *chosen,
                       planish_error *error) {
-    tag t = tag_parse(text, dim);
+    io_tag t = io_tag_parse(text, dim);
     t.has_number = t.has_number && !model->groups_by_name;
     int found = 0;
     int64_t n = 0;
@@ -460,14 +439,6 @@ planish_surface planish_file_surface(const planish_file *file, const planish_hol
 
 /* ---- minimum volumes ------------------------------------------------------------------------ */
 
-/** The entity of element i, or -1. */
-static int32_t entity_of(const io_model *model, int64_t i) {
-    const io_cells *cells = io_model_elements(model);
-    const io_others *others = io_model_other_elements(model);
-    const int32_t *entity = i < cells->n ? cells->entity : others->entity;
-    return entity ? entity[i < cells->n ? i : i - cells->n] : -1;
-}
-
 int planish_file_min_volumes(const planish_file *file, const char *const *tags,
                              const double *values, int n_tags, double *min_volume,
                              planish_error *error) {
@@ -492,55 +463,10 @@ int planish_file_min_volumes(const planish_file *file, const char *const *tags,
         pl_free(chosen);
     }
     for (int64_t i = 0; i < io_model_n_elements(model) && !status; i++) {
-        const int32_t entity = entity_of(model, i);
+        const int32_t entity = io_element_entity(model, i);
         min_volume[i] = entity >= 0 ? least[entity] : 0;
     }
     pl_free(least);
     pl_call_leave(&outside);
     return status;
-}
-
-/* ---- the tag of an element ---------------------------------------------------------------- */
-
-/** Find the name of a group that may be given as a tag, or NULL: no number, and no group of another
- *  dimension has it, too. Where numbers are none of the file's, there is nothing but names. */
-static const char *name_of(const io_model *model, int dim, int32_t number) {
-    for (int32_t i = 0; i < model->n_groups; i++) {
-        const io_group *group = &model->group[i];
-        if (group->dim != dim || group->tag != number || group->name[0] == '\0')
-            continue;
-        int is_clear = !tag_parse(group->name, -1).has_number;
-        for (int32_t k = 0; k < model->n_groups && is_clear; k++)
-            is_clear = model->group[k].dim == dim || strcmp(model->group[k].name, group->name) != 0;
-        if (model->groups_by_name || is_clear)
-            return group->name;
-    }
-    return NULL;
-}
-
-int planish_file_element_region(const planish_file *file, int64_t element, char *text,
-                                size_t size) {
-    if (!file || element < 0 || element >= io_model_n_elements(&file->model) || (!text && size > 0))
-        return PLANISH_ERROR_ARGUMENT;
-    if (size > 0)
-        text[0] = '\0';
-    const io_model *model = &file->model;
-    if (entity_of(model, element) < 0)
-        return 0;
-    const io_entity *entity = &model->entity[entity_of(model, element)];
-    int has_tag = entity->n_physical > 0 || !model->groups_by_name;
-    /* A number of its own that a physical group has, too, means that group as a tag. */
-    for (int32_t i = 0; i < model->n_entities && entity->n_physical == 0 && has_tag; i++)
-        has_tag =
-            model->entity[i].dim != entity->dim || !has_physical(&model->entity[i], entity->tag);
-    if (!has_tag)
-        return 0;
-    const int32_t *number = entity->n_physical > 0 ? entity->physical : &entity->tag;
-    const int n = entity->n_physical > 0 ? entity->n_physical : 1;
-    for (int i = 0; i < n; i++) {
-        const char *name = name_of(model, entity->dim, number[i]);
-        if (name)
-            return snprintf(text, size, "%s", name);
-    }
-    return model->groups_by_name ? 0 : snprintf(text, size, "%d:%d", entity->dim, (int)number[0]);
 }

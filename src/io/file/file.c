@@ -10,6 +10,7 @@
 #include "io/core/data.h"
 #include "io/core/number.h"
 #include "io/file/plane.h"
+#include "io/file/tags.h"
 
 #include "base/context.h"
 #include "base/memory.h"
@@ -222,7 +223,9 @@ static int read_model(planish_file *file, planish_error *error) {
         status = io_model_finish(&file->model, file->format, error);
     if (!status && io_model_is_surface(&file->model) && !file->cells.offset)
         status = make_cells(file, error);
-    return status ? status : find_regions(file, error);
+    if (!status)
+        status = find_regions(file, error);
+    return status ? status : io_tags_make(file, error);
 }
 
 /* ---- opening -------------------------------------------------------------------------------- */
@@ -384,6 +387,7 @@ void planish_file_close(planish_file *file) {
     release_cells(file);
     release_joined(file);
     io_file_free_groups(file);
+    io_tags_free(file);
     io_model_destroy(&file->model);
     pl_free(file);
 }

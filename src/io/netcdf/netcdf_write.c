@@ -7,6 +7,7 @@
 #include "base/status.h"
 #include "io/core/binary.h"
 
+#include <stdio.h>
 #include <string.h>
 
 /* ---- bytes ---------------------------------------------------------------------------------- */
@@ -57,6 +58,8 @@ void netcdf_put_text(netcdf_out *out, const char *text, int64_t length) {
 
 /* ---- the header ----------------------------------------------------------------------------- */
 
+enum { NAME_SIZE = 64 }; /* two texts of 16 bytes and two numbers */
+
 /** Put a count, or the size of something. */
 static void put_count(netcdf_out *out, int64_t n) {
     put_bits(out, (uint64_t)n, out->is_wide ? 8 : 4);
@@ -72,6 +75,18 @@ static void put_padded(netcdf_out *out, const char *text) {
     put_count(out, n);
     netcdf_put_text(out, text, n);
     put_padding(out, n);
+}
+
+static void put_name(netcdf_out *out, const netcdf_out_name *name) {
+    char text[NAME_SIZE] = "";
+    int used = 0;
+    for (int k = 0; k < 2; k++) {
+        if (name->text[k])
+            used += snprintf(text + used, sizeof text - (size_t)used, "%.16s", name->text[k]);
+        if (name->number[k])
+            used += snprintf(text + used, sizeof text - (size_t)used, "%d", (int)name->number[k]);
+    }
+    put_padded(out, text);
 }
 
 static void put_attribute(netcdf_out *out, const netcdf_out_attribute *a) {
@@ -109,7 +124,7 @@ static int is_of_records(const netcdf_out *out, const netcdf_out_variable *v) {
 }
 
 static void put_variable(netcdf_out *out, const netcdf_out_variable *v) {
-    put_padded(out, v->name);
+    put_name(out, &v->name);
     put_count(out, v->n_dims);
     for (int d = 0; d < v->n_dims; d++)
         put_count(out, v->dim[d]);
@@ -126,7 +141,7 @@ static void put_header(netcdf_out *out) {
     put_count(out, out->n_records);
     put_list(out, NETCDF_DIMENSIONS, out->n_dims);
     for (int64_t i = 0; i < out->n_dims; i++) {
-        put_padded(out, out->dim[i].name);
+        put_name(out, &out->dim[i].name);
         put_count(out, out->dim[i].length);
     }
     put_list(out, NETCDF_ATTRIBUTES, out->n_attributes);
@@ -179,9 +194,8 @@ void netcdf_out_reserve(netcdf_out *out, int64_t n_dims, int64_t n_variables) {
     check_appended(out, out->variable ? out->dim : NULL);
 }
 
-int netcdf_out_dimension(netcdf_out *out, const char *name, int64_t length) {
-    netcdf_out_dim dim = {.length = length};
-    strncpy(dim.name, name, sizeof dim.name - 1);
+int netcdf_out_dimension(netcdf_out *out, netcdf_out_name name, int64_t length) {
+    const netcdf_out_dim dim = {name, length};
     check_appended(out, pl_append(&out->dim, &out->n_dims, &out->dim_capacity, &dim, sizeof dim));
     return (int)(out->n_dims - 1);
 }

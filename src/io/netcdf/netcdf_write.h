@@ -1,7 +1,7 @@
 /* netcdf_write: classic netCDF files that are written anew.
  *
  *   netcdf_out, netcdf_out_begin, _end       a file
- *   netcdf_out_dimension                     its dimensions,
+ *   netcdf_out_name, netcdf_out_dimension    its dimensions,
  *   netcdf_out_text, _integer, _float        attributes of the file,
  *   netcdf_out_variable_add                  and variables
  *   netcdf_out_write                         write the header and the values of all variables
@@ -16,27 +16,34 @@
 #include "io/netcdf/netcdf_format.h"
 #include "io/view/writer.h"
 
-enum { NETCDF_OUT_NAME = 40, NETCDF_OUT_DIMS = 2 };
+enum { NETCDF_OUT_DIMS = 2 };
 
 /** Largest variable of CDF-2, in bytes. */
 #define NETCDF_OUT_LARGEST ((int64_t)UINT32_MAX - 3)
 
+/** Name of a dimension or variable: a text, a number, and both again; what is NULL or 0 is left out.
+ *  There may be very many names. */
+typedef struct netcdf_out_name {
+    const char *text[2]; /* borrowed until they are written */
+    int32_t number[2];
+} netcdf_out_name;
+
 /** A variable. */
 typedef struct netcdf_out_variable {
-    char name[NETCDF_OUT_NAME];
+    netcdf_out_name name;
     netcdf_type type;
     int n_dims;
     int dim[NETCDF_OUT_DIMS]; /* indices of dimensions */
     const char *attribute; /* name of its only attribute, or NULL; borrowed until it is written, */
     const char *text;      /* as its value is */
     int kind;              /* the owner's, */
-    int64_t of[2];         /* and so are these */
+    int32_t of[2];         /* and so are these */
     int64_t begin;         /* byte of the first value */
 } netcdf_out_variable;
 
 /** A dimension. */
 typedef struct netcdf_out_dim {
-    char name[NETCDF_OUT_NAME];
+    netcdf_out_name name;
     int64_t length; /* 0: that of records */
 } netcdf_out_dim;
 
@@ -71,7 +78,7 @@ int netcdf_out_end(netcdf_out *out);
 void netcdf_out_reserve(netcdf_out *out, int64_t n_dims, int64_t n_variables);
 
 /** Add a dimension; length 0: the one of records. Return its index. */
-int netcdf_out_dimension(netcdf_out *out, const char *name, int64_t length);
+int netcdf_out_dimension(netcdf_out *out, netcdf_out_name name, int64_t length);
 
 /** Add an attribute of the file. Texts are borrowed until they are written. */
 void netcdf_out_text(netcdf_out *out, const char *name, const char *text);
