@@ -584,4 +584,5 @@ void pl_columns_destroy(pl_columns *c) {
     pl_free(c->height);
     pl_free(c->leans);
     pl_free(c->is_told);
+    pl_free(c->is_moved);
 }

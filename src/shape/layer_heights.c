@@ -63,22 +63,18 @@ static planish_layer_row measure_row(const row_search *s, int row) {
     return found;
 }
 
-/** Find how far the heights at each node are off, in columns where no growth tells what is wanted. */
+/** Find how far the heights at each node are off, in columns whose walls were not moved. */
 static void find_off(const row_search *s, double *off) {
     const pl_columns *c = s->c;
     for (int64_t i = 0; i < c->mesh->n_nodes; i++)
         off[i] = 0;
-    for (int64_t k = 0; k < c->n_columns; k++) {
-        int is_told = 0;
-        for (int64_t i = c->begin[k]; i < c->begin[k + 1]; i++)
-            is_told |= c->is_told[c->upright[i]];
-        for (int64_t i = c->begin[k]; i < c->begin[k + 1] && !is_told; i++) {
+    for (int64_t k = 0; k < c->n_columns; k++)
+        for (int64_t i = c->begin[k]; i < c->begin[k + 1] && !c->is_moved[k]; i++) {
             const int32_t u = c->upright[i];
             const double by = fabs(s->height[u] / c->height[u] - 1);
             for (int end = 0; end < 2 && isfinite(by); end++)
                 off[c->end[2 * u + end]] = fmax(off[c->end[2 * u + end]], by);
         }
-    }
 }
 
 /** Measure at the columns' coordinates and at now. height [n_uprights]. */

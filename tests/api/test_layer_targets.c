@@ -396,6 +396,36 @@ static void heights_are_measured_under_moved_walls(void **state) {
         }
 }
 
+/* A wall that came through its only row, as elements above are no layer: nothing tells its heights, and off
+ * says nothing of them. */
+static void heights_of_one_turned_row_are_not_told(void **state) {
+    (void)state;
+    for (int k = 0; kinds[k] < TRIANGLES; k++) {
+        layers l = make_layers(kinds[k]);
+        const int dim = l.mesh.dim;
+        double *off = allocate(l.mesh.n_nodes, sizeof *off);
+        planish_layer_heights heights;
+        planish_error error;
+        mark_between(&l, -1, 0.5 * FIRST);
+        for (int64_t i = dim - 1; i < l.mesh.n_nodes * dim; i += dim)
+            l.x[i] = fmin(l.x[i], FIRST) + fmax(l.x[i] - FIRST, 0) / (GROWTH * FIRST);
+        double *moved = test_copy_of(&l.mesh);
+        for (int64_t i = dim - 1; i < l.mesh.n_nodes * dim; i += dim)
+            moved[i] += moved[i] < 1e-9 ? 1.5 * FIRST : 0;
+        l.mesh.reference = moved;
+        assert_int_equal(planish_measure_layers(&l.mesh, 1, &heights, off, &error), 0);
+        expect_row(&heights.reference, dim == 3 ? (N + 1) * (N + 1) : N + 1, -1, -1, -1);
+        expect_row(&heights.all, heights.reference.n, 2, 2, 2);
+        assert_int_equal(heights.n_rows, 1);
+        assert_int_equal(heights.n_told, 0);
+        for (int64_t i = 0; i < l.mesh.n_nodes; i++)
+            assert_true(off[i] == 0);
+        free(moved);
+        free(off);
+        forget(&l);
+    }
+}
+
 static void heights_need_marks(void **state) {
     (void)state;
     layers l = make_layers(BOX_QUADRILATERALS);
@@ -568,6 +598,7 @@ int main(void) {
         cmocka_unit_test(measures_are_against_the_layers),
         cmocka_unit_test(heights_are_measured_by_rows),
         cmocka_unit_test(heights_are_measured_under_moved_walls),
+        cmocka_unit_test(heights_of_one_turned_row_are_not_told),
         cmocka_unit_test(heights_need_marks),
         cmocka_unit_test(a_reference_that_is_not_finite_is_refused),
         cmocka_unit_test(bits_are_the_same),
