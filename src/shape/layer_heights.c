@@ -77,21 +77,39 @@ static void find_off(const row_search *s, double *off) {
         }
 }
 
+/** The power of two that a unit of lengths of a frame is. */
+static int unit_of(const pl_frame *frame) {
+    return -ilogb(frame->shrink) - ilogb(frame->scale[0]) - ilogb(frame->scale[1]);
+}
+
+/** Measure the heights at now, in the columns' unit: in a frame of its own, as now may be far larger or
+ *  smaller. */
+static int measure_now(const pl_columns *c, const double *now, int threads, double *height,
+                       planish_error *error) {
+    pl_columns at_now = *c;
+    planish_mesh mesh = *c->mesh;
+    mesh.coordinates = now;
+    at_now.mesh = &mesh;
+    int status = pl_frame_create(&mesh, NULL, threads, &at_now.frame, error);
+    if (!status)
+        status = pl_columns_measure_heights(&at_now, height, error);
+    const int unit = unit_of(&at_now.frame) - unit_of(&c->frame);
+    for (int64_t u = 0; !status && u < c->n_uprights; u++)
+        height[u] = ldexp(height[u], unit);
+    return status;
+}
+
 /** Measure at the columns' coordinates and at now. height [n_uprights]. */
-static int measure(row_search *s, pl_columns *c, const double *now, double *height,
+static int measure(row_search *s, const double *now, int threads, double *height,
                    planish_layer_heights *found, planish_error *error) {
-    const planish_mesh *before = c->mesh;
-    planish_mesh mesh = *before;
+    const pl_columns *c = s->c;
     s->height = height;
     number_rows(s);
     int status = pl_columns_measure_heights(c, height, error);
     if (status)
         return status;
     found->reference = measure_row(s, -1);
-    mesh.coordinates = now;
-    c->mesh = &mesh;
-    status = pl_columns_measure_heights(c, height, error);
-    c->mesh = before;
+    status = measure_now(c, now, threads, height, error);
     for (int64_t u = 0; !status && u < c->n_uprights; u++)
         found->n_told += c->is_told[u] && c->height[u] > 0 && isfinite(height[u]);
     found->all = measure_row(s, -1);
@@ -116,7 +134,7 @@ int pl_layer_heights_find(const planish_mesh *mesh, const uint8_t *is_layer, con
     s.row = status ? NULL : pl_alloc(c.n_uprights, sizeof *s.row);
     s.ratio = status ? NULL : pl_alloc(c.n_uprights, sizeof *s.ratio);
     if (!status)
-        status = height && s.row && s.ratio ? measure(&s, &c, now, height, found, error)
+        status = height && s.row && s.ratio ? measure(&s, now, threads, height, found, error)
                                             : pl_fail_memory(error, "the heights of layers");
     if (!status && off)
         find_off(&s, off);

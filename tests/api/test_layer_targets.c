@@ -377,6 +377,29 @@ static void heights_are_measured_by_rows(void **state) {
     }
 }
 
+/* Ratios of heights are numbers as long as they can be, whatever the mesh's size. */
+static void heights_are_measured_at_any_scale(void **state) {
+    (void)state;
+    static const double scales[][2] = {{1e300, 1}, {1, 1e300}, {1e150, 1e-150}, {1e-150, 1e150}};
+    for (int k = 0; k < N_KINDS; k++)
+        for (size_t i = 0; i < sizeof scales / sizeof *scales; i++) {
+            layers l = make_layers(kinds[k]);
+            double *before = test_copy_of(&l.mesh);
+            for (int64_t j = 0; j < l.mesh.n_nodes * l.mesh.dim; j++) {
+                before[j] *= scales[i][0];
+                l.x[j] *= scales[i][1];
+            }
+            const planish_layer_heights heights = heights_of(&l, before);
+            const double ratio = scales[i][1] / scales[i][0];
+            assert_int_equal(heights.n_rows, N);
+            assert_int_equal(heights.all.n, heights.reference.n);
+            assert_true(fabs(heights.all.least / ratio - 1) < 1e-9);
+            assert_true(fabs(heights.all.most / ratio - 1) < 1e-9);
+            free(before);
+            forget(&l);
+        }
+}
+
 /* A wall that was moved in, or away: the heights that are wanted are told by the rows inside. */
 static void heights_are_measured_under_moved_walls(void **state) {
     (void)state;
@@ -597,6 +620,7 @@ int main(void) {
         cmocka_unit_test(layers_under_other_elements_are_untangled),
         cmocka_unit_test(measures_are_against_the_layers),
         cmocka_unit_test(heights_are_measured_by_rows),
+        cmocka_unit_test(heights_are_measured_at_any_scale),
         cmocka_unit_test(heights_are_measured_under_moved_walls),
         cmocka_unit_test(heights_of_one_turned_row_are_not_told),
         cmocka_unit_test(heights_need_marks),
