@@ -8,6 +8,7 @@
 #include "base/context.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "base/positions.h"
 #include "base/status.h"
 #include "plan/plan.h"
 #include "topology/topology.h"
@@ -191,10 +192,13 @@ static const double FLOORS[] = {0.02, 2e-3};
 /** A call of planish_fit_move. */
 typedef struct moving {
     planish_fit *fit;
-    planish_mesh mesh;       /* with constraint */
-    planish_options options; /* of the sweeps */
-    planish_plan *plan;      /* made when it is needed */
-    double *coordinates;     /* copy of the caller's, as long as theirs */
+    planish_mesh mesh;             /* with constraint */
+    planish_options options;       /* of the sweeps */
+    planish_progress_fn *progress; /* the caller's */
+    void *progress_user;
+    const double *given; /* the caller's coordinates */
+    planish_plan *plan;  /* made when it is needed */
+    double *coordinates; /* copy of the caller's, as long as theirs */
     uint8_t *constraint;
     uint8_t *was_there; /* [n_nodes of fit] as fit->is_there was */
     double begin, time_limit;
@@ -245,10 +249,27 @@ static int64_t length_of(const planish_mesh *mesh) {
     return mesh->n_nodes > 0 ? pl_point_at(&p, mesh->n_nodes - 1, 2) + 1 : 0;
 }
 
+/** Ask the caller, to whom the coordinates of the call are its own. */
+static int ask(const planish_progress *progress, void *user) {
+    const moving *m = user;
+    planish_progress shown = *progress;
+    struct planish_positions positions;
+    if (progress->positions) {
+        positions = *progress->positions;
+        positions.given = m->given;
+        shown.positions = &positions;
+    }
+    return m->progress(&shown, m->progress_user);
+}
+
 /** Set the options of the sweeps, which are the caller's. */
 static void set_options(moving *m) {
     planish_options *options = &m->options;
     m->time_limit = options->time_limit;
+    m->progress = options->progress;
+    m->progress_user = options->progress_user;
+    options->progress = m->progress ? ask : NULL;
+    options->progress_user = m;
     options->project = planish_fit_project;
     options->project_user = m->fit;
     options->shape = NULL;
@@ -296,7 +317,7 @@ int planish_fit_move(planish_fit *fit, const planish_mesh *mesh, double *coordin
                      const planish_options *options, planish_fit_info *info, planish_error *error) {
     if (!fit || !mesh || !coordinates)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "fit, mesh and coordinates must not be NULL");
-    moving m = {.fit = fit, .mesh = *mesh, .begin = pl_seconds()};
+    moving m = {.fit = fit, .mesh = *mesh, .given = coordinates, .begin = pl_seconds()};
     planish_options_init(&m.options);
     m.options = options ? *options : m.options;
     int status = pl_options_check(&m.options, error);

@@ -5,6 +5,7 @@
 #include "base/status.h"
 #include "shape/shape.h"
 #include "topology/cells.h"
+#include "topology/points.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -546,8 +547,15 @@ int pl_columns_corner(const pl_columns *c, const pl_layer_cell *cell, int k, dou
 
 int pl_columns_find(const planish_mesh *mesh, const uint8_t *is_layer, int threads, pl_columns *c,
                     planish_error *error) {
+    const pl_points places = {.x = mesh->coordinates,
+                              .n = mesh->n_nodes,
+                              .dim = mesh->dim,
+                              .step = mesh->dim,
+                              .apart = 1};
     *c = (pl_columns){.mesh = mesh};
-    int status = pl_frame_create(mesh, NULL, threads, &c->frame, error);
+    int status = pl_points_check(&places, threads, error);
+    if (!status)
+        status = pl_frame_create(mesh, NULL, threads, &c->frame, error);
     c->sign = status ? NULL : pl_alloc(mesh->cells->n, sizeof *c->sign);
     if (!status)
         status = c->sign ? pl_orient_cells(mesh->cells, mesh->dim, mesh->n_nodes, mesh->coordinates,
@@ -576,4 +584,5 @@ void pl_columns_destroy(pl_columns *c) {
     pl_free(c->height);
     pl_free(c->leans);
     pl_free(c->is_told);
+    pl_free(c->is_moved);
 }

@@ -42,8 +42,8 @@ typedef struct pl_columns {
     int32_t *place;    /* [n_uprights] and its place in upright */
     double *height;    /* [n_uprights] how long it is to be */
     uint8_t *leans;    /* [n_uprights] 1: it leans over its layer for good, as the wall turns */
-    uint8_t
-        *is_told; /* [n_uprights] 1: it has not the height that it is to have: a wall was moved */
+    uint8_t *is_told;  /* [n_uprights] 1: the rows inside tell its height, as a wall was moved */
+    uint8_t *is_moved; /* [n_columns] 1: its wall was moved */
 } pl_columns;
 
 /** Find the columns of the marked elements of mesh, and of flat or inverted ones that go on from them.

@@ -342,9 +342,22 @@ int pl_columns_average(const pl_columns *c, int rounds, double *value, double *o
 
 /* ---- all of it -------------------------------------------------------------------------------- */
 
+/** Mark columns with uprights that are turned or wild, and those whose heights the rows inside have told: not
+ *  the anchor, which has its own. */
+static void mark_told(const search *s) {
+    const pl_columns *c = s->c;
+    for (int32_t k = 0; k < c->n_columns; k++) {
+        const int64_t anchor = anchor_of(s, k);
+        for (int64_t i = c->begin[k]; i < c->begin[k + 1]; i++) {
+            const uint8_t is_off = (s->is_off[c->upright[i]] & (IS_TURNED | IS_WILD)) != 0;
+            c->is_moved[k] = c->is_moved[k] || is_off;
+            c->is_told[c->upright[i]] = is_off && i != anchor;
+        }
+    }
+}
+
 /** Find heights as the input and the growth tell, and which are told by the growth. */
 static int find_told(search *s, planish_error *error) {
-    pl_columns *c = s->c;
     list_cells(s);
     const int status = find_lengths(s, error);
     if (status)
@@ -352,8 +365,7 @@ static int find_told(search *s, planish_error *error) {
     find_columns(s);
     spread_wild(s);
     find_columns(s);
-    for (int64_t u = 0; u < c->n_uprights; u++)
-        c->is_told[u] = (s->is_off[u] & (IS_TURNED | IS_WILD)) != 0;
+    mark_told(s);
     return PLANISH_OK;
 }
 
@@ -381,14 +393,15 @@ int pl_columns_find_heights(pl_columns *c, int is_smooth, planish_error *error) 
     c->height = pl_alloc_zero(n, sizeof *c->height);
     c->leans = pl_alloc_zero(n, sizeof *c->leans);
     c->is_told = pl_alloc_zero(n, sizeof *c->is_told);
+    c->is_moved = pl_alloc_zero(c->n_columns, sizeof *c->is_moved);
     s.length = pl_alloc(n, sizeof *s.length);
     s.off = pl_alloc_zero(n, sizeof *s.off);
     s.is_off = pl_alloc_zero(n, sizeof *s.is_off);
     s.first = pl_alloc_zero(n + 2, sizeof *s.first);
     s.cell = pl_alloc(n_at, sizeof *s.cell);
     s.queue = pl_alloc(n, sizeof *s.queue);
-    const int is_there = c->height && c->leans && c->is_told && s.length && s.off && s.is_off &&
-                         s.first && s.cell && s.queue;
+    const int is_there = c->height && c->leans && c->is_told && c->is_moved && s.length && s.off &&
+                         s.is_off && s.first && s.cell && s.queue;
     int status = is_there ? find_told(&s, error) : pl_fail_memory(error, "the heights of layers");
     if (!status && is_smooth)
         status = smooth_all(&s, error);

@@ -66,22 +66,40 @@ static planish_layer_row measure_row(const row_search *s, int row) {
     return found;
 }
 
-/** Find how far the heights at each node are off, in columns where no growth tells what is wanted. */
+/** Find how far the heights at each node are off, in columns whose walls were not moved. */
 static void find_off(const row_search *s, double *off) {
     const pl_columns *c = s->c;
     for (int64_t i = 0; i < c->mesh->n_nodes; i++)
         off[i] = 0;
-    for (int64_t k = 0; k < c->n_columns; k++) {
-        int is_told = 0;
-        for (int64_t i = c->begin[k]; i < c->begin[k + 1]; i++)
-            is_told |= c->is_told[c->upright[i]];
-        for (int64_t i = c->begin[k]; i < c->begin[k + 1] && !is_told; i++) {
+    for (int64_t k = 0; k < c->n_columns; k++)
+        for (int64_t i = c->begin[k]; i < c->begin[k + 1] && !c->is_moved[k]; i++) {
             const int32_t u = c->upright[i];
             const double by = fabs(s->height[u] / c->height[u] - 1);
             for (int end = 0; end < 2 && isfinite(by); end++)
                 off[c->end[2 * u + end]] = fmax(off[c->end[2 * u + end]], by);
         }
-    }
+}
+
+/** The power of two that a unit of lengths of a frame is. */
+static int unit_of(const pl_frame *frame) {
+    return -ilogb(frame->shrink) - ilogb(frame->scale[0]) - ilogb(frame->scale[1]);
+}
+
+/** Measure the heights at now, in the columns' unit: in a frame of its own, as now may be far larger or
+ *  smaller. */
+static int measure_now(const pl_columns *c, const double *now, int threads, double *height,
+                       planish_error *error) {
+    pl_columns at_now = *c;
+    planish_mesh mesh = *c->mesh;
+    mesh.coordinates = now;
+    at_now.mesh = &mesh;
+    int status = pl_frame_create(&mesh, NULL, threads, &at_now.frame, error);
+    if (!status)
+        status = pl_columns_measure_heights(&at_now, height, error);
+    const int unit = unit_of(&at_now.frame) - unit_of(&c->frame);
+    for (int64_t u = 0; !status && u < c->n_uprights; u++)
+        height[u] = ldexp(height[u], unit);
+    return status;
 }
 
 /** Let uprights that are flat want no height. */
@@ -95,10 +113,9 @@ static void drop_flat(pl_columns *c) {
 }
 
 /** Measure at the columns' coordinates and at now. height [n_uprights]. */
-static int measure(row_search *s, pl_columns *c, const double *now, double *height,
+static int measure(row_search *s, const double *now, int threads, double *height,
                    planish_layer_heights *found, planish_error *error) {
-    const planish_mesh *before = c->mesh;
-    planish_mesh mesh = *before;
+    const pl_columns *c = s->c;
     s->height = height;
     drop_flat(c);
     number_rows(s);
@@ -106,10 +123,7 @@ static int measure(row_search *s, pl_columns *c, const double *now, double *heig
     if (status)
         return status;
     found->reference = measure_row(s, -1);
-    mesh.coordinates = now;
-    c->mesh = &mesh;
-    status = pl_columns_measure_heights(c, height, error);
-    c->mesh = before;
+    status = measure_now(c, now, threads, height, error);
     for (int64_t u = 0; !status && u < c->n_uprights; u++)
         found->n_told += c->is_told[u] && c->height[u] > 0 && isfinite(height[u]);
     found->all = measure_row(s, -1);
@@ -134,7 +148,7 @@ int pl_layer_heights_find(const planish_mesh *mesh, const uint8_t *is_layer, con
     s.row = status ? NULL : pl_alloc(c.n_uprights, sizeof *s.row);
     s.ratio = status ? NULL : pl_alloc(c.n_uprights, sizeof *s.ratio);
     if (!status)
-        status = height && s.row && s.ratio ? measure(&s, &c, now, height, found, error)
+        status = height && s.row && s.ratio ? measure(&s, now, threads, height, found, error)
                                             : pl_fail_memory(error, "the heights of layers");
     if (!status && off)
         find_off(&s, off);

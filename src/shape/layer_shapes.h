@@ -11,8 +11,8 @@
 #include <planish/planish.h>
 
 /** Find the shapes of the marked elements of mesh, which has checked cells and dense coordinates, and of
- *  flat ones that go on from them. Others are to be ideal. Errors: _MEMORY. shapes is to be freed in
- *  either case. */
+ *  flat ones that go on from them. Others are to be ideal. Errors: _MEMORY, _MESH. shapes is to be freed
+ *  in either case. */
 int pl_layer_shapes_find(const planish_mesh *mesh, const uint8_t *is_layer, int threads,
                          pl_layer_shapes *shapes, planish_error *error);
 

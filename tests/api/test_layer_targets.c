@@ -377,6 +377,29 @@ static void heights_are_measured_by_rows(void **state) {
     }
 }
 
+/* Ratios of heights are numbers as long as they can be, whatever the mesh's size. */
+static void heights_are_measured_at_any_scale(void **state) {
+    (void)state;
+    static const double scales[][2] = {{1e300, 1}, {1, 1e300}, {1e150, 1e-150}, {1e-150, 1e150}};
+    for (int k = 0; k < N_KINDS; k++)
+        for (size_t i = 0; i < sizeof scales / sizeof *scales; i++) {
+            layers l = make_layers(kinds[k]);
+            double *before = test_copy_of(&l.mesh);
+            for (int64_t j = 0; j < l.mesh.n_nodes * l.mesh.dim; j++) {
+                before[j] *= scales[i][0];
+                l.x[j] *= scales[i][1];
+            }
+            const planish_layer_heights heights = heights_of(&l, before);
+            const double ratio = scales[i][1] / scales[i][0];
+            assert_int_equal(heights.n_rows, N);
+            assert_int_equal(heights.all.n, heights.reference.n);
+            assert_true(fabs(heights.all.least / ratio - 1) < 1e-9);
+            assert_true(fabs(heights.all.most / ratio - 1) < 1e-9);
+            free(before);
+            forget(&l);
+        }
+}
+
 /* A wall that was moved in, or away: the heights that are wanted are told by the rows inside. */
 static void heights_are_measured_under_moved_walls(void **state) {
     (void)state;
@@ -415,6 +438,36 @@ static void cancelled_heights_are_not_wanted(void **state) {
     }
 }
 
+/* A wall that came through its only row, as elements above are no layer: nothing tells its heights, and off
+ * says nothing of them. */
+static void heights_of_one_turned_row_are_not_told(void **state) {
+    (void)state;
+    for (int k = 0; kinds[k] < TRIANGLES; k++) {
+        layers l = make_layers(kinds[k]);
+        const int dim = l.mesh.dim;
+        double *off = allocate(l.mesh.n_nodes, sizeof *off);
+        planish_layer_heights heights;
+        planish_error error;
+        mark_between(&l, -1, 0.5 * FIRST);
+        for (int64_t i = dim - 1; i < l.mesh.n_nodes * dim; i += dim)
+            l.x[i] = fmin(l.x[i], FIRST) + fmax(l.x[i] - FIRST, 0) / (GROWTH * FIRST);
+        double *moved = test_copy_of(&l.mesh);
+        for (int64_t i = dim - 1; i < l.mesh.n_nodes * dim; i += dim)
+            moved[i] += moved[i] < 1e-9 ? 1.5 * FIRST : 0;
+        l.mesh.reference = moved;
+        assert_int_equal(planish_measure_layers(&l.mesh, 1, &heights, off, &error), 0);
+        expect_row(&heights.reference, dim == 3 ? (N + 1) * (N + 1) : N + 1, -1, -1, -1);
+        expect_row(&heights.all, heights.reference.n, 2, 2, 2);
+        assert_int_equal(heights.n_rows, 1);
+        assert_int_equal(heights.n_told, 0);
+        for (int64_t i = 0; i < l.mesh.n_nodes; i++)
+            assert_true(off[i] == 0);
+        free(moved);
+        free(off);
+        forget(&l);
+    }
+}
+
 static void heights_need_marks(void **state) {
     (void)state;
     layers l = make_layers(BOX_QUADRILATERALS);
@@ -432,6 +485,31 @@ static void heights_need_marks(void **state) {
                      PLANISH_ERROR_ARGUMENT);
     assert_non_null(strstr(error.text, "is_layer"));
     forget(&l);
+}
+
+/* Heights are asked of the reference, so that its coordinates are numbers. */
+static void a_reference_that_is_not_finite_is_refused(void **state) {
+    (void)state;
+    for (int k = 0; k < N_KINDS; k++) {
+        layers l = make_layers(kinds[k]);
+        planish_layer_heights heights;
+        planish_cell_quality quality;
+        planish_error error;
+        double *reference = test_copy_of(&l.mesh);
+        const int64_t node = l.mesh.n_nodes / 2;
+        const planish_options options = test_options(1);
+        reference[node * l.mesh.dim + 1] = k % 2 ? NAN : -INFINITY;
+        l.mesh.reference = reference;
+        assert_int_equal(planish_measure_layers(&l.mesh, 1, &heights, NULL, &error),
+                         PLANISH_ERROR_MESH);
+        assert_int_equal(error.node, node);
+        assert_int_equal(planish_measure_cells(&l.mesh, 0, 1, &quality, NULL, &error),
+                         PLANISH_ERROR_MESH);
+        assert_int_equal(error.node, node);
+        test_expect_refusal(&l.mesh, &options, PLANISH_ERROR_MESH, "finite");
+        free(reference);
+        forget(&l);
+    }
 }
 
 /* Without a mark there is no target, whatever the reference. */
@@ -561,9 +639,12 @@ int main(void) {
         cmocka_unit_test(layers_under_other_elements_are_untangled),
         cmocka_unit_test(measures_are_against_the_layers),
         cmocka_unit_test(heights_are_measured_by_rows),
+        cmocka_unit_test(heights_are_measured_at_any_scale),
         cmocka_unit_test(heights_are_measured_under_moved_walls),
         cmocka_unit_test(cancelled_heights_are_not_wanted),
+        cmocka_unit_test(heights_of_one_turned_row_are_not_told),
         cmocka_unit_test(heights_need_marks),
+        cmocka_unit_test(a_reference_that_is_not_finite_is_refused),
         cmocka_unit_test(bits_are_the_same),
         cmocka_unit_test(periodic_layers_keep_their_heights),
         cmocka_unit_test(any_marks_are_taken),

@@ -389,6 +389,7 @@ static void test_stop(void **state) {
 /** A mesh on its way, and where it is after a sweep. */
 typedef struct onway {
     const planish_mesh *mesh;
+    double *const *fitted; /* the array that the call is given */
     double *x;
     int n_sweeps;
 } onway;
@@ -398,13 +399,16 @@ static int look_at_sweep(const planish_progress *progress, void *user) {
     if (!progress->sweep_done)
         return 0;
     memcpy(on->x, on->mesh->coordinates, test_bytes_of(on->mesh));
+    assert_int_equal(planish_progress_get_coordinates(progress, *on->fitted, NULL),
+                     PLANISH_ERROR_ARGUMENT);
     assert_int_equal(planish_progress_get_coordinates(progress, on->x, NULL), 0);
     assert_int_equal(count_inverted(on->mesh, on->x), 0);
     on->n_sweeps++;
     return 0;
 }
 
-/** After each sweep the positions are those of a valid mesh. */
+/** After each sweep the positions are those of a valid mesh; they are not written to the array that is
+ *  fitted. */
 static void test_positions(void **state) {
     (void)state;
     block b;
@@ -412,7 +416,7 @@ static void test_positions(void **state) {
     outcome o;
     block_create(0, BOX_HEXAHEDRA, BLOCK_CUBE, 5, 0.8, 0, &(uint64_t){effort_seed(3)}, &b);
     block_target_create(BLOCK_BALL, 16, 0.5, 0, &fine);
-    onway on = {.mesh = &b.mesh, .x = test_copy_of(&b.mesh)};
+    onway on = {.mesh = &b.mesh, .fitted = &o.x, .x = test_copy_of(&b.mesh)};
     planish_options options = test_options(1);
     options.progress = look_at_sweep;
     options.progress_user = &on;

@@ -175,11 +175,11 @@ static void find_outside(cells_call *c, const double *regular) {
         c->is_outside[i / dim] |= regular[i] == 0 || regular[i] == size;
 }
 
-/** Push mids off the middle; first: the first of them. */
-static void bend(cells_call *c, int64_t first, uint64_t *state) {
+/** Push mids off the middle. */
+static void bend(cells_call *c, uint64_t *state) {
     static const double amounts[] = {0, 0.05, 0.4, 0.05};
     const int level = c->level[CELLS_BEND], dim = c->box->mesh.dim;
-    for (int64_t i = first * dim; i < c->box->mesh.n_nodes * dim; i++)
+    for (int64_t i = c->first_mid * dim; i < c->box->mesh.n_nodes * dim; i++)
         if (level == 3 || !c->is_outside[i / dim])
             c->box->x[i] += random_between(state, -amounts[level], amounts[level]);
 }
@@ -275,12 +275,11 @@ static void draw_target(cells_call *c, const double *regular, uint64_t *state) {
 
 static void draw_mesh(cells_call *c, uint64_t *state) {
     double *regular;
-    int64_t first;
-    c->box = box_of(c->level, state, &regular, &first);
+    c->box = box_of(c->level, state, &regular, &c->first_mid);
     c->is_outside = zeroed(c->box->mesh.n_nodes, 1);
     c->is_held = zeroed(c->box->mesh.n_nodes, 1);
     find_outside(c, regular);
-    bend(c, first, state);
+    bend(c, state);
     if (c->level[CELLS_TARGET] == TARGET_BOX || c->level[CELLS_TARGET] == TARGET_STRETCHED)
         draw_target(c, regular, state);
     free(regular);
@@ -498,7 +497,7 @@ int cells_levels_allowed(int a, int level_a, int b, int level_b) {
     if (a == CELLS_LEAST && b == CELLS_AROUND)
         return level_a != 3 || level_b == 0;
     if (a == CELLS_PERIODIC && b == CELLS_TARGET)
-        return level_a == 0 || level_b == TARGET_NONE;
+        return level_a == 0 || level_b == TARGET_NONE || level_b == TARGET_LAYER;
     return 1;
 }
 

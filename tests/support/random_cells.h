@@ -68,6 +68,7 @@ typedef struct cells_call {
     planish_mesh given; /* with all that is drawn */
     planish_options plan_options, options;
     double *coordinates; /* as given.coordinates, to be smoothed */
+    int64_t first_mid;   /* number of corners; mids come after them */
     int8_t *sign;        /* [cells] */
     uint8_t *is_outside; /* [n_nodes] on a side of the box */
     uint8_t *is_held;    /* [n_nodes] of a line */
