@@ -117,7 +117,6 @@ static int measure(row_search *s, const double *now, int threads, double *height
                    planish_layer_heights *found, planish_error *error) {
     const pl_columns *c = s->c;
     s->height = height;
-    drop_flat(c);
     number_rows(s);
     int status = pl_columns_measure_heights(c, height, error);
     if (status)
@@ -143,6 +142,8 @@ int pl_layer_heights_find(const planish_mesh *mesh, const uint8_t *is_layer, con
     int status = pl_columns_find(mesh, is_layer, threads, &c, error);
     if (!status)
         status = pl_columns_find_heights(&c, 0, error);
+    if (!status)
+        drop_flat(&c);
     row_search s = {.c = &c};
     double *height = status ? NULL : pl_alloc(c.n_uprights, sizeof *height);
     s.row = status ? NULL : pl_alloc(c.n_uprights, sizeof *s.row);
