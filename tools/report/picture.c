@@ -12,6 +12,8 @@
 /* What a page draws at most: with these it stays below 3 MB. Of a mesh of more than MOST_INSIDE elements
  * a sample is drawn, and a grid. */
 enum { MOST_TRIANGLES = 40000, MOST_INSIDE = 16000, SAMPLE_INSIDE = 2500, MOST_CUBES = 32000 };
+/* With a history it draws this part of them, so that there is room for its states. */
+enum { PART_WITH_HISTORY = 2 };
 
 static void find_box(pl_picture *picture, const planish_mesh *mesh) {
     const int dim = mesh->dim;
@@ -77,7 +79,8 @@ int pl_picture_begin(const pl_job *job, pl_picture **result) {
     picture->n_measures = pl_drawn_measures(job, picture->measure);
     picture->has_plane = planish_file_plane(job->file, &picture->plane);
     find_box(picture, &job->mesh);
-    if (pl_drawn_surface_find(&job->mesh, MOST_TRIANGLES, &picture->surface, &error))
+    const int part = job->arguments->history > 0 ? PART_WITH_HISTORY : 1;
+    if (pl_drawn_surface_find(&job->mesh, MOST_TRIANGLES / part, &picture->surface, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
     picture->is_solid = picture->dim == 3 && !picture->is_surface && isfinite(picture->size);
     if (picture->is_solid) {
@@ -86,7 +89,7 @@ int pl_picture_begin(const pl_job *job, pl_picture **result) {
             pl_drawn_inside_find(job, MOST_INSIDE / fewer, SAMPLE_INSIDE / fewer, &picture->inside);
         if (status)
             return status;
-        picture->grid = pl_drawn_grid_find(picture->low, picture->high, MOST_CUBES);
+        picture->grid = pl_drawn_grid_find(picture->low, picture->high, MOST_CUBES / part);
     }
     return find_features(picture, job);
 }
