@@ -54,7 +54,7 @@ double pl_surface_rms_of_movable(const pl_surface_sums *s) {
                   s->n[PL_SURFACE_MOVES] + s->n[PL_SURFACE_HELD]);
 }
 
-/** Of the elements that can change. */
+/** The RMS of the elements that can change. */
 static double rms_of_moving(const pl_surface_sums *s) {
     return rms_of(s->ratio[PL_SURFACE_MOVES], s->n[PL_SURFACE_MOVES]);
 }

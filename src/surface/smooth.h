@@ -47,7 +47,7 @@ typedef struct pl_surface_run {
 /** Root of the mean square ratio of all elements, as measured last. */
 double pl_surface_rms(const pl_surface_sums *sums);
 
-/** Of the elements with a movable node, also those that this run holds. */
+/** The same of the elements with a movable node, also those that this run holds. */
 double pl_surface_rms_of_movable(const pl_surface_sums *sums);
 
 /** Measure the mesh as it is. Errors: _MEMORY. */
