@@ -28,7 +28,7 @@ KINDS = {
     "boundary": "a held node moved",
     "plane": "a sliding node left its plane or line",
     "surface": "the surface is farther off than the report or the tolerance says",
-    "invalid": "an element of a valid mesh is not valid any more, or more elements are invalid than before",
+    "invalid": "a valid element is not valid any more though no sweep untangles, or more elements are invalid than before",
     "worst": "the worst element got worse",
     "rms": "the RMS rose",
     "angle": "the smallest angle, or the least scaled Jacobian, got smaller",
@@ -106,6 +106,11 @@ def _figures(meshes, points):
     return whole, state, ratio, low
 
 
+def _untangles(report):
+    """Whether a sweep may have untangled: it may invert elements, if it repairs more. Without a report it may have."""
+    return any(sweep["phase"] == "untangle" for sweep in report.get("sweeps", [{"phase": "untangle"}]))
+
+
 # ---- what may not get worse ----------------------------------------------------------------------------
 
 
@@ -116,9 +121,12 @@ def _slack(worst):
 
 def not_worse(meshes, before, after, way):
     """Faults of validity and measures. before, after: what _figures returns."""
-    (a, _, ratio, low), (b, state, new_ratio, new_low) = before, after
+    (a, old_state, ratio, low), (b, state, new_ratio, new_low) = before, after
+    spoiled = np.flatnonzero((old_state == validity.VALID) & (state == validity.INVALID))
     if b["inverted"] > a["inverted"] + a["unknown"]:
         yield f"invalid: {a['inverted']} elements before, {b['inverted']} after, such as {int(np.argmin(state))}"
+    elif spoiled.size and not _untangles(meshes.report):
+        yield f"invalid: {spoiled.size} valid elements are not valid any more, such as {int(spoiled[0])}"
     if a["inverted"] or a["unknown"] or b["inverted"] or meshes.report.get("mesh", {}).get("wrapped_elements"):
         return
     if meshes.report.get("target", "regular") != "regular" or a["worst"] is None:

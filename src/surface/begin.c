@@ -197,19 +197,20 @@ static int take_mesh(pl_surface_run *r, planish_error *error) {
     r->start = pl_alloc(n, sizeof *r->start);
     r->scaled = pl_alloc(n, sizeof *r->scaled);
     r->before = pl_alloc(n, sizeof *r->before);
+    r->is_movable = pl_alloc(n, sizeof *r->is_movable);
     r->moves = pl_alloc(n, sizeof *r->moves);
     r->changed = pl_alloc(n, sizeof *r->changed);
     r->ratio = pl_alloc(r->shape->n_facets, sizeof *r->ratio);
     r->tally = pl_alloc_zero(r->threads, sizeof *r->tally);
-    if (!r->x || !r->start || !r->scaled || !r->before || !r->moves || !r->changed || !r->ratio ||
-        !r->tally)
+    if (!r->x || !r->start || !r->scaled || !r->before || !r->is_movable || !r->moves ||
+        !r->changed || !r->ratio || !r->tally)
         return pl_fail_memory(error, "the surface of a mesh");
     for (int32_t i = 0; i < n; i++)
         for (int d = 0; d < 3; d++)
             r->x[i][d] = r->start[i][d] = points.x[pl_point_at(&points, r->shape->node[i], d)];
-    pl_surface_find_moves(r->mesh, r->shape, r->moves);
-    for (int64_t i = 0; r->held && i < n; i++)
-        r->moves[i] &= !r->held[i];
+    pl_surface_find_moves(r->mesh, r->shape, r->is_movable);
+    for (int64_t i = 0; i < n; i++)
+        r->moves[i] = r->is_movable[i] && !(r->held && r->held[i]);
     return PLANISH_OK;
 }
 
@@ -315,7 +316,7 @@ void pl_surface_run_end(pl_surface_run *r) {
     result->sweeps = r->sweep;
     result->n_inverted = r->sums.n_inverted;
     result->rms = pl_surface_rms(&r->sums);
-    result->rms_movable = r->sums.n[1] > 0 ? sqrt(r->sums.ratio[1] / r->sums.n[1]) : 0;
+    result->rms_movable = pl_surface_rms_of_movable(&r->sums);
     result->objective = result->rms;
     result->n_off_shape = r->skin.n_off;
     result->seconds = pl_seconds() - r->start_seconds;
@@ -329,6 +330,7 @@ void pl_surface_run_destroy(pl_surface_run *r) {
     pl_free(r->lower);
     pl_free(r->upper);
     pl_free(r->radius);
+    pl_free(r->is_movable);
     pl_free(r->moves);
     pl_free(r->changed);
     pl_free(r->ratio);

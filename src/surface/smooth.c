@@ -35,8 +35,8 @@ static void scale_chunk(void *context, int64_t begin, int64_t end, int thread) {
 
 int pl_surface_run_measure(pl_surface_run *r, planish_error *error) {
     pl_parallel_for(r->threads, r->shape->n_nodes, CHUNK_NODES, scale_chunk, r);
-    return pl_surface_measure(&r->stars, (const double(*)[3])r->scaled, r->moves, r->threads,
-                              r->ratio, &r->sums, error);
+    return pl_surface_measure(&r->stars, (const double(*)[3])r->scaled, r->moves, r->is_movable,
+                              r->threads, r->ratio, &r->sums, error);
 }
 
 static double rms_of(double sum, double n) {
@@ -44,7 +44,19 @@ static double rms_of(double sum, double n) {
 }
 
 double pl_surface_rms(const pl_surface_sums *s) {
-    return rms_of(s->ratio[0] + s->ratio[1], s->n[0] + s->n[1]);
+    return rms_of(s->ratio[PL_SURFACE_FIXED] + s->ratio[PL_SURFACE_MOVES] +
+                      s->ratio[PL_SURFACE_HELD],
+                  s->n[PL_SURFACE_FIXED] + s->n[PL_SURFACE_MOVES] + s->n[PL_SURFACE_HELD]);
+}
+
+double pl_surface_rms_of_movable(const pl_surface_sums *s) {
+    return rms_of(s->ratio[PL_SURFACE_MOVES] + s->ratio[PL_SURFACE_HELD],
+                  s->n[PL_SURFACE_MOVES] + s->n[PL_SURFACE_HELD]);
+}
+
+/** The RMS of the elements that can change. */
+static double rms_of_moving(const pl_surface_sums *s) {
+    return rms_of(s->ratio[PL_SURFACE_MOVES], s->n[PL_SURFACE_MOVES]);
 }
 
 /* ---- progress ------------------------------------------------------------------------------- */
@@ -55,7 +67,7 @@ static planish_progress progress_of(const pl_surface_run *r, int colour, int64_t
                               .colour = colour,
                               .n_colours = r->stars.n_colours,
                               .rms = pl_surface_rms(&r->sums),
-                              .rms_movable = rms_of(r->sums.ratio[1], r->sums.n[1]),
+                              .rms_movable = pl_surface_rms_of_movable(&r->sums),
                               .objective = pl_surface_rms(&r->sums),
                               .n_inverted = r->sums.n_inverted,
                               .phase = r->phase,
@@ -174,9 +186,9 @@ int pl_surface_sweeps(pl_surface_run *r, planish_error *error) {
     r->problem.acuteness = r->sums.acuteness * LIMIT_MARGIN;
     r->stop = PLANISH_STOP_MAX_SWEEPS;
     for (int k = 0; k < r->options->max_sweeps && !stopped && !status; k++) {
-        const double before = rms_of(r->sums.ratio[1], r->sums.n[1]);
+        const double before = rms_of_moving(&r->sums);
         status = sweep_once(r, &tally, &stopped, error);
-        const double after = rms_of(r->sums.ratio[1], r->sums.n[1]);
+        const double after = rms_of_moving(&r->sums);
         if (!stopped && !status &&
             (tally.visits == 0 ||
              pl_converged(&convergence, before, after, r->options->tolerance))) {

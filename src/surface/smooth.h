@@ -1,6 +1,6 @@
 /* smooth: one call that smooths a surface mesh.
  *
- *   pl_surface_run_measure, pl_surface_rms    the mesh as it is
+ *   pl_surface_run_measure, pl_surface_rms, _rms_of_movable    the mesh as it is
  *   pl_surface_sweeps                         sweep until convergence
  *   pl_surface_improve_worst                  stages for the worst elements
  */
@@ -27,7 +27,8 @@ typedef struct pl_surface_run {
     double (*before)[3];             /* [n_nodes] where a trial began */
     double (*lower)[3], (*upper)[3]; /* [n_nodes] bounds, or NULL */
     double *radius;                  /* [n_nodes], or NULL */
-    uint8_t *moves;                  /* [n_nodes] 0: the node stays */
+    uint8_t *is_movable;             /* [n_nodes] 1: free or slides */
+    uint8_t *moves;                  /* [n_nodes] 0: the node stays in this run */
     const uint8_t *held;             /* [n_nodes] 1: it has to stay; NULL: none has. Not owned */
     uint8_t *changed;                /* [n_nodes] */
     double *ratio;                   /* [n_facets] */
@@ -45,6 +46,9 @@ typedef struct pl_surface_run {
 
 /** Root of the mean square ratio of all elements, as measured last. */
 double pl_surface_rms(const pl_surface_sums *sums);
+
+/** The same of the elements with a movable node, also those that this run holds. */
+double pl_surface_rms_of_movable(const pl_surface_sums *sums);
 
 /** Measure the mesh as it is. Errors: _MEMORY. */
 int pl_surface_run_measure(pl_surface_run *r, planish_error *error);

@@ -35,20 +35,29 @@ int pl_surface_mesh_create(const planish_shape *shape, const uint8_t *moves, int
 /** Free the arrays of mesh. */
 void pl_surface_mesh_destroy(pl_surface_mesh *mesh);
 
-/** Sums over the elements that have not turned over: [0] of those without, [1] with a node that
- *  moves. */
+/** Parts of the elements by what their nodes may do. */
+enum {
+    PL_SURFACE_FIXED, /* no node is movable */
+    PL_SURFACE_MOVES, /* a node moves */
+    PL_SURFACE_HELD,  /* nodes are movable, but this run holds them */
+    PL_SURFACE_PARTS
+};
+
+/** Sums over the elements that have not turned over, by parts. */
 typedef struct pl_surface_sums {
-    double ratio[2]; /* of RR^2, or AR^2 */
-    double n[2];
+    double ratio[PL_SURFACE_PARTS]; /* of RR^2, or AR^2 */
+    double n[PL_SURFACE_PARTS];
     double worst;     /* largest RR^2 (AR^2) of elements with a node that moves, */
     double acuteness; /* and 1 / sin^2 of the smallest angle, or 1 / SJ^2 of a corner */
     int64_t
         n_inverted; /* elements that have turned over against the shape, or have a corner that has */
 } pl_surface_sums;
 
-/** Measure the mesh with its nodes at x [shape->n_nodes][3]. ratio [n_facets] (may be NULL): RR^2
+/** Measure the mesh with its nodes at x [shape->n_nodes][3]. moves, is_movable [shape->n_nodes]: whether
+ *  a node moves in this run, and whether one may that holds no node. ratio [n_facets] (may be NULL): RR^2
  *  (AR^2) of each element, at its first half; infinite if it is inverted. Errors: _MEMORY. */
 int pl_surface_measure(const pl_surface_mesh *mesh, const double (*x)[3], const uint8_t *moves,
-                       int threads, double *ratio, pl_surface_sums *sums, planish_error *error);
+                       const uint8_t *is_movable, int threads, double *ratio, pl_surface_sums *sums,
+                       planish_error *error);
 
 #endif

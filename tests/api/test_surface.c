@@ -169,6 +169,7 @@ static planish_result smooth(patchwork *p) {
     planish_result r;
     planish_error e;
     planish_shape_distance d;
+    planish_quality quality;
     const worst before = look(p, (const double(*)[3])p->x);
     if (planish_smooth_surface(&p->mesh, p->x[0], &p->options, &r, &e))
         fail_msg("%s", e.text);
@@ -178,6 +179,10 @@ static planish_result smooth(patchwork *p) {
     assert_true(r.objective <= r.objective_before);
     assert_int_equal(r.n_inverted, 0);
     assert_int_equal(planish_measure_shape(p->shape, &p->mesh, 1, &d, NULL), 0);
+    assert_int_equal(
+        planish_measure_surface(p->shape, &p->mesh, 1, &quality, NULL, NULL, NULL, NULL), 0);
+    assert_true(fabs(quality.rms_radius_ratio / r.rms - 1) < 1e-9);
+    assert_true(fabs(quality.rms_radius_ratio_movable - r.rms_movable) <= 1e-9 * r.rms_movable);
     assert_int_equal(d.n_unproved, 0);
     assert_true(d.in_edges <= 0.05 * (1 + 1e-6));
     assert_true(d.max_bend <= fmax(40.001, d.max_bend_before * (1 + 1e-9)));

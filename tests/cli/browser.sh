@@ -145,12 +145,16 @@ cat >brush.js <<'END'
     say('to', caption().startsWith(text(sum(3, 5)) + '15° to 25°'));
     figure.querySelector('button').click();
     say('all', await picture() === first);
-    drag(figure.querySelector('svg'), figure.dataset.frame.split(',').map(Number), counts[0].split(',').length, 5, 2);
+    const drawing = [figure.querySelector('svg'), figure.dataset.frame.split(',').map(Number), counts[0].split(',').length];
+    drag(...drawing, 5, 2, 2);
+    await frame();
+    say('other', from.value === '');
+    drag(...drawing, 5, 2);
     await frame();
     say('drag', caption().startsWith(text(sum(2, 6)) + '10° to 30°') && from.value === '2' && to.value === '5');
 END
 for page in solid plane large quality; do
-    probe $page.html brush.js lists to all drag
+    probe $page.html brush.js lists to all other drag
 done
 
 # The mesh from sweep to sweep: by the slider, by the button, and by a key; without motion where that is wished.
@@ -217,6 +221,8 @@ probe good.html start.js good start
 cat >paper.js <<'END'
     await frame();
     window.dispatchEvent(new Event('beforeprint'));
+    window.dispatchEvent(new Event('beforeprint'));
+    say('one', document.querySelectorAll('.view .paper').length === 1);
     const paper = find('.view .paper'), width = paper ? paper.width : 0;
     const data = paper ? paper.getContext('2d').getImageData(0, 0, width, paper.height).data : [];
     const drawn = [0, 0]; /* pixels of each half */
@@ -226,8 +232,8 @@ cat >paper.js <<'END'
     window.dispatchEvent(new Event('afterprint'));
     say('gone', !find('.view .paper') && !document.querySelector('.apart').checked);
 END
-probe solid.html paper.js paper gone
-probe plane.html paper.js paper gone
+probe solid.html paper.js one paper gone
+probe plane.html paper.js one paper gone
 
 # Tables fit a window and a phone; so does the page.
 cat >narrow.js <<'END'

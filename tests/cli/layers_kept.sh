@@ -84,6 +84,15 @@ import json
 a, b = (json.load(open(n))["layer_heights"] for n in ("report.json", "compared.json"))
 assert a["edges"] >= b["edges"] > 0 and abs(a["most"] - b["most"]) < 0.01, (a, b)
 END2
+    # A row without a height has the sign of all tables for what is not known.
+    python3 - <<'END2' >unknown.json
+import json
+r = json.load(open("report.json"))
+r["layer_heights"]["rows"][0]["median"] = None
+print(json.dumps(r))
+END2
+    expect_status 0 "$program" report unknown.json -o unknown.html
+    sed -n '/<section id="layers"/,/<\/section>/p' unknown.html | grep -qE '<td>(–|&ndash;|&#8211;)</td>' || fail "$kind: a height that is not known"
     "$program" quality pushed.mesh --layers keep --json quality.json -q
     python3 - <<'END2' || fail "$kind: quality and smooth measure alike"
 import json

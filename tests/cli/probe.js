@@ -24,10 +24,10 @@ function key(name) {
     find('canvas').dispatchEvent(new KeyboardEvent('keydown', {key: name}));
 }
 
-/** Drag over a drawing of n bins within its frame, from one bin to another. */
-function drag(svg, frame, n, from, to) {
+/** Drag over a drawing of n bins within its frame, from one bin to another, with a button of the mouse. */
+function drag(svg, frame, n, from, to, button = 0) {
     const box = svg.getBoundingClientRect(), scale = box.width / svg.viewBox.baseVal.width;
-    const at = bin => ({bubbles: true, clientX: box.left +
+    const at = bin => ({bubbles: true, button: button, clientX: box.left +
         scale * (frame[0] + (bin + 0.5) * (frame[1] - frame[0]) / n)});
     svg.dispatchEvent(new PointerEvent('pointerdown', at(from)));
     svg.dispatchEvent(new PointerEvent('pointermove', at(to)));

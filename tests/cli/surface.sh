@@ -213,6 +213,8 @@ expect_no_file no.off
 expect_status 0 "$program" smooth tube.off -o out.off -q --report report.html
 grep -q '"flat":true' report.html || fail "the picture is that of a surface"
 grep -q '"features":' report.html || fail "the picture has features"
+grep -q '>threads</th>' report.html || fail "the page tells of the machine"
+! grep -qE '>(instruction set|colours)</th>' report.html || fail "a surface has neither kernels nor colours"
 expect_status 0 "$program" quality tube.off -q --report report.html -o view.vtu --json report.json --worst 3
 expect_json "len(r['quality']['worst_elements']) == 3 and r['quality']['worst_elements'][0]['min_angle_deg'] > 0"
 expect_json "len(r['quality']['worst_elements'][0]['place']) == 3"

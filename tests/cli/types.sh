@@ -278,6 +278,36 @@ assert after < before and after == set(r["inverted_inside"]) and len(before) == 
 assert r["returned_nodes"] > 0
 END
 done
+# Ratios of movable elements are of the valid ones, as those of all are: here the worst element is inverted inside.
+python3 - <<'END' >inside.vtk || fail "no mesh"
+import itertools
+
+X, Y = (0, 1, 2, 4), (0, 0.2, 1.2, 2.2)
+points = {}
+
+
+def node(x, y):
+    return points.setdefault((x, y), len(points))
+
+
+cells = []
+for (x, right), (y, top) in itertools.product(zip(X, X[1:]), zip(Y, Y[1:])):
+    corners = [(x, y), (right, y), (right, top), (x, top)]
+    mids = [tuple((a + b) / 2 for a, b in zip(p, q)) for p, q in zip(corners, corners[1:] + corners[:1])]
+    cells.append([node(*p) for p in corners + mids])
+places = [(x, 0.3 if (x, y) == (3, 0) else y) for x, y in points]
+print("# vtk DataFile Version 3.0\ngrid\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS %d double" % len(places))
+for x, y in places:
+    print(x, y, 0)
+print("CELLS %d %d" % (len(cells), 9 * len(cells)))
+for cell in cells:
+    print(8, *cell)
+print("CELL_TYPES %d" % len(cells), *[23] * len(cells), sep="\n")
+END
+expect_status 0 "$program" smooth inside.vtk -o new.vtk --max-sweeps 0 --curve-quality 0 --report new.html --json report.json -q
+expect_json "r['mesh']['fixed_elements'] == 0 and r['before']['inverted'] == r['before']['inverted_inside'] == 1"
+expect_json "r['before']['max_aspect_ratio_movable'] == r['before']['max_aspect_ratio'] < 2.7"
+expect_json "abs(r['before']['rms_aspect_ratio_movable'] - r['before']['rms_aspect_ratio']) < 1e-14"
 expect_status 0 "$program" quality hexahedra.vtk
 grep -q "^hexahedra.vtk: vtk, 8 hexahedra, 27 nodes" out || fail "counts: $(cat out)"
 expect_status 0 "$program" quality hexahedra.vtk tetrahedra.vtk types.vtk

@@ -127,6 +127,24 @@ def spoil_nodes(pair, outside, middle):
     expect_fault(pair, ["worst", "angle", "figures"], "an inner node near a facet", text=bad)
 
 
+def spoil_others(pair, outside):
+    """One element is repaired, another one spoiled: only untangling may do that."""
+    points, _, _ = pair.points()
+    first = pair.source.read_text(encoding="ascii")
+    away = [pair.moved(node, points[node] + 1) for node in np.flatnonzero(~outside)[:2]]
+    report = with_figure(pair.report, None, "certified", False)
+    untangling = with_figure(report, None, "sweeps", [{"phase": "untangle"}])
+    n_allowed = 0
+    for before, after in (away, away[::-1]):
+        pair.source.write_text(before, encoding="ascii")
+        expect_fault(pair, ["invalid"], "another element spoiled", text=after, report=report, status=1)
+        faults = pair.judge(text=after, report=untangling, status=1)
+        n_allowed += not any(fault.startswith("invalid") for fault in faults)
+    if n_allowed == 0:
+        failures.append("untangling may invert no element")
+    pair.source.write_text(first, encoding="ascii")
+
+
 def spoil_report(pair):
     for where, key in (("after", "rms_radius_ratio"), ("before", "max_radius_ratio"), ("after", "min_dihedral_deg")):
         value = pair.report[where][key] * (1 + 1e-7)
@@ -185,6 +203,7 @@ def main():
     expect_good(pair, "tetrahedra")
     spoil_file(pair)
     spoil_nodes(pair, outside, middle)
+    spoil_others(pair, outside)
     spoil_report(pair)
     spoil_back(pair)
     slide = Pair(planish, folder / "tets.vtk", "slide", "--slide", "auto")

@@ -5,7 +5,6 @@
 #include "commands/steps.h"
 
 #include "commands/promises.h"
-#include "job/cells.h"
 #include "job/curved.h"
 #include "job/entities.h"
 #include "job/heights.h"
@@ -15,6 +14,7 @@
 #include "job/onto.h"
 #include "job/states.h"
 #include "job/unjoined.h"
+#include "job/valid_ratios.h"
 #include "report/history.h"
 #include "report/page.h"
 #include "report/table.h"
@@ -150,9 +150,7 @@ static int prepare(pl_job *job, pl_result *result, pl_progress *progress) {
     print_plan(job);
     if (is_told && (status = pl_job_count_slides(job)))
         return status;
-    if ((status = pl_job_measure(job, &result->before)))
-        return status;
-    if ((status = pl_validity_find(job, &result->validity_before)))
+    if ((status = pl_measure_valid(job, &result->before, &result->validity_before)))
         return status;
     if (is_told && (status = pl_layers_count(job, &result->before)))
         return status;
@@ -278,9 +276,7 @@ static int check_result(pl_job *job, pl_result *result) {
     int status;
     if ((status = pl_promises_keep(job, result)))
         return status;
-    if ((status = pl_job_measure(job, &result->after)))
-        return status;
-    if ((status = pl_validity_find(job, &result->validity_after)))
+    if ((status = pl_measure_valid(job, &result->after, &result->validity_after)))
         return status;
     if ((status = pl_volumes_find(job, smooth->min_volume, smooth, &result->volumes)))
         return status;
@@ -367,9 +363,7 @@ int pl_steps_compare(pl_job *job, const planish_file *after, pl_result *result,
     if ((status = pl_moved_take(job, after, &result->smooth)))
         return status;
     pl_progress_stage(progress, PL_STAGE_CHECKING);
-    if ((status = pl_job_measure(job, &result->after)))
-        return status;
-    if ((status = pl_validity_find(job, &result->validity_after)))
+    if ((status = pl_measure_valid(job, &result->after, &result->validity_after)))
         return status;
     if ((status = pl_reversed_compare(job, &result->after, &result->reversed)))
         return status;

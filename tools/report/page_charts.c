@@ -162,10 +162,12 @@ static int read_history(const pl_figures *figures, const cJSON *sweeps, history 
     const cJSON *before = figures->state[0], *sweep;
     const cJSON *objective = cJSON_GetObjectItemCaseSensitive(figures->result, "objective");
     const char *name = pl_figure_text(objective, "name");
-    /* What sweeps minimise is the measure of the table only if that is the objective. */
     const int has_types = figures->has_types;
+    /* What sweeps minimise is the measure of the table only if that is the objective, and no element was
+     * inverted inside: sweeps look at corners. */
     const int known =
-        name[0] == '\0' || strcmp(name, has_types ? "mean-ratio" : "radius-ratio") == 0;
+        (name[0] == '\0' || strcmp(name, has_types ? "mean-ratio" : "radius-ratio") == 0) &&
+        !(has_types && pl_figure(before, "inverted_inside") > 0);
     const char *rms = has_types ? "rms_aspect_ratio" : "rms_radius_ratio";
     const char *movable = has_types ? "rms_aspect_ratio_movable" : "rms_radius_ratio_movable";
     const int64_t n = (int64_t)cJSON_GetArraySize(sweeps) + 1;

@@ -71,8 +71,10 @@ void pl_page_put_run(pl_markup *page, const pl_figures *figures) {
     pl_markup_put(page, "<div class=\"scroll\"><table><tbody>\n");
     put_counted(page, "threads", result, "threads");
     put_fact(page, "placement", pl_figure_text(result, "binding"));
-    put_fact(page, "instruction set", pl_figure_text(result, "isa"));
-    put_counted(page, "colours", mesh, "colours");
+    if (!cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(mesh, "in_space"))) {
+        put_fact(page, "instruction set", pl_figure_text(result, "isa"));
+        put_counted(page, "colours", mesh, "colours");
+    }
     put_counted(page, "node visits", result, "node_visits");
     put_counted(page, "nodes moved", result, "moved_nodes");
     if (isfinite(memory))
@@ -104,10 +106,12 @@ static void put_heights(pl_markup *page, const char *name, int number, const cJS
     pl_markup_put(page, "</td>");
     for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) {
         const double off = 100 * (pl_figure(of, keys[i]) - 1);
-        if (isnan(off))
-            pl_markup_put(page, "<td>-</td>");
+        pl_markup_put(page, "<td>");
+        if (isfinite(off))
+            pl_markup_put(page, "%+.3g&#8239;%%", off);
         else
-            pl_markup_put(page, "<td>%+.3g&#8239;%%</td>", off);
+            pl_markup_put_digits(page, off, 1);
+        pl_markup_put(page, "</td>");
     }
     pl_markup_put(page, "</tr>\n");
 }

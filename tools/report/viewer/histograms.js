@@ -43,6 +43,8 @@ function connectDrag(histogram) {
             brush(histogram, Math.min(first, bin), Math.max(first, bin));
     };
     svg.addEventListener('pointerdown', event => {
+        if (event.button !== 0)
+            return;
         first = binAt(event);
         event.preventDefault();
         move(event);

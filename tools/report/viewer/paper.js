@@ -21,15 +21,17 @@ function makeCopy() {
 
 function connectPrint() {
     let copy = null;
+    const removeCopy = () => copy && copy.remove();
     window.addEventListener('beforeprint', () => {
         const isApart = chosen.apart;
         chosen.apart = layers.length > 1;
+        removeCopy(); /* a browser may ask twice */
         copy = makeCopy();
         holder.append(copy);
         chosen.apart = isApart;
         resize();
     });
-    window.addEventListener('afterprint', () => copy && copy.remove());
+    window.addEventListener('afterprint', removeCopy);
 }
 
 return {connectPrint};
