@@ -47,7 +47,7 @@ typedef struct pl_surface_run {
 /** Root of the mean square ratio of all elements, as measured last. */
 double pl_surface_rms(const pl_surface_sums *sums);
 
-/** The same of the elements with a movable node, also those that this run holds. */
+/** Root of the mean square ratio of the elements with a movable node, also if this run holds it. */
 double pl_surface_rms_of_movable(const pl_surface_sums *sums);
 
 /** Measure the mesh as it is. Errors: _MEMORY. */

@@ -138,7 +138,7 @@ static void put_row(const planish_layer_row *row, char *text, size_t size) {
     snprintf(text, size, "%s .. %s", least, most);
 }
 
-/** What heights are compared with. */
+/** Name of the mesh that heights are compared with. */
 static const char *compared_with(const pl_job *job, const pl_heights *heights) {
     return is_like(job)             ? "those in the mesh of --like"
            : heights->of.n_told > 0 ? "those wanted"

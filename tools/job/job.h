@@ -29,7 +29,7 @@ typedef struct pl_layers {
     char fix[256];      /* options that hold them by their groups, or "" */
 } pl_layers;
 
-/** What heights of layers are compared with (heights.h). */
+/** Heights that layers are to have (heights.h). */
 typedef struct pl_wanted_heights {
     uint8_t *is_layer; /* [elements as of pl_job_find_layers] owned, or NULL: like.is_layer says
                           that, or nobody asks */
