@@ -185,7 +185,7 @@ static void compare_teams(const test_mesh *mesh, planish_options options) {
     assert_true(first.result.n_moved_nodes > 0);
     for (int i = 0; i < 3; i++) {
         options.threads = threads[i];
-        options.isa = test_has_isa(isas[i]) ? isas[i] : PLANISH_ISA_AUTO;
+        options.isa = test_has_isa((int)isas[i]) ? isas[i] : PLANISH_ISA_AUTO;
         other = test_smooth(&mesh->mesh, &options);
         compare(&mesh->mesh, &first, &other);
         free(other.coordinates);

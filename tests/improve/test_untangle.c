@@ -131,7 +131,7 @@ static void bits_do_not_depend_on_threads_or_kernel(void **state) {
         for (int k = PLANISH_ISA_AUTO; k <= PLANISH_ISA_AVX512; k++) {
             options.isa = (planish_isa)k;
             options.threads = threads[(i + k) % 4];
-            if (!test_has_isa(options.isa))
+            if (!test_has_isa((int)options.isa))
                 continue;
             other = test_smooth(&t.mesh.mesh, &options);
             assert_memory_equal(first.coordinates, other.coordinates, test_bytes_of(&t.mesh.mesh));

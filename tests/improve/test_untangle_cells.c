@@ -249,7 +249,7 @@ static void bits_of_cells_do_not_depend_on_threads_or_kernel(void **state) {
         for (int k = PLANISH_ISA_AUTO; k <= PLANISH_ISA_AVX512; k++) {
             options.isa = (planish_isa)k;
             options.threads = 1 + k % 3;
-            if (!test_has_isa(options.isa))
+            if (!test_has_isa((int)options.isa))
                 continue;
             const cell_run other = smooth_box(box, &options);
             assert_memory_equal(first.x, other.x, test_bytes_of(&box->mesh));

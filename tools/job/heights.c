@@ -111,10 +111,10 @@ int pl_heights_hold(pl_job *job, int64_t *n) {
     if (!job->in_layer)
         job->in_layer = calloc(n_nodes, 1);
     double *off = malloc(n_nodes * sizeof *off);
-    int status = off && job->in_layer ? 0 : pl_job_complain_memory(job, "heights of layers");
-    if (!status)
-        status = measure(job, &heights, off);
-    if (!status)
+    const int has_memory = off && job->in_layer;
+    const int status =
+        has_memory ? measure(job, &heights, off) : pl_job_complain_memory(job, "heights of layers");
+    if (has_memory && !status)
         *n = hold_nodes(job, off);
     job->wanted.n_held += *n;
     free(off);
