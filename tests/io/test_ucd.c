@@ -19,8 +19,7 @@ static void ucd_is_told(void **state) {
     (void)state;
     static const char *const texts[] = {
         "3 1 0 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n1 0 tri 1 2 3\n",
-        "# a comment\n# another\n3 1 0 1 0\r\n1 0 0 0\r\n2 1 0 0\r\n3 0 1 0\r\n"
-        "1 5 tri 1 2 3\r\n",
+        "# a comment\n#\n3 1 0 1 0\r\n1 0 0 0\r\n2 1 0 0\r\n3 0 1 0\r\n1 5 tri 1 2 3\r\n",
         "  1  1 2 0 0\n 0 1e-3 0 0\n 1 1 hex 1 1 1 1 1 1 1 1",
         "3 1 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n1 0 tri 1 2 3\n", /* LaGriT's */
         "3 0 0 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n",
