@@ -165,7 +165,7 @@ static void snapshots_of_a_valid_mesh_are_valid(void **state) {
         before = quality.rms_radius_ratio;
     }
     assert_true(r.taken.n > 2 &&
-                memcmp(r.taken.x[0], r.taken.x[1], test_bytes_of(&r.problem.mesh)));
+                memcmp(r.taken.x[0], r.taken.x[1], test_bytes_of(&r.problem.mesh)) != 0);
     end(&r);
 }
 

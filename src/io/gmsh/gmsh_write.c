@@ -288,7 +288,8 @@ static void lose_groups22(const gmsh_out *g, io_losses *losses) {
     for (int64_t b = 0; b < g->blocks.n; b++) {
         const int32_t entity = g->blocks.block[b].entity;
         int k = 0;
-        several |= next_physical(g->view, entity, &k) && next_physical(g->view, entity, &k);
+        if (next_physical(g->view, entity, &k) > 0)
+            several |= next_physical(g->view, entity, &k) > 0;
     }
     if (several)
         io_losses_add(losses, "all but the first group of elements that are in several");
