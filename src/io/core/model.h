@@ -33,6 +33,7 @@
 #ifndef PL_IO_CORE_MODEL_H
 #define PL_IO_CORE_MODEL_H
 
+#include "base/hash.h"
 #include "base/printf.h"
 #include "io/core/cell_types.h"
 #include "io/core/names.h"
@@ -295,7 +296,8 @@ typedef struct io_model {
     int64_t entity_capacity;
     int32_t *entity_slot; /* [n_slots] hash table of the entities: index or -1 */
     int32_t n_slots;      /* a power of two, or 0 */
-    io_group *group;      /* [n_groups] */
+    pl_hash entity_hash;
+    io_group *group; /* [n_groups] */
     int64_t n_groups, group_capacity;
     int groups_by_name; /* numbers of entities and groups are none of the file's (Abaqus) */
     io_names
