@@ -56,6 +56,7 @@ xdmf("refused_path.xdmf", "<Grid Reference='/Xdmf/Domain/Grid[%d]'/>" % (N + 1) 
 xdmf("refused_children.xdmf", "<Grid Reference='/Xdmf/Domain/Grid[%d]'/>" % (N + 1) * N,
      GRID.replace("</Grid>", "<a/>" * 500000 + "</Grid>"))
 xdmf("refused_attributes.xdmf", GRID.replace("<Grid>", "<Grid %s>" % repeat(1000, " a%d=''")))
+xdmf("refused_alike.xdmf", repeat(16384, GRID.replace("'2 4'>0 1 2 3 1 2 3 4", "'2 4' Format='HDF'>a.h5:" + "/a" * 500 + "%d")))
 # What a mesh names is copied along with it: no file that programs read by themselves.
 os.mkdir(".config")
 for name, wanted in (".profile", "refused_hidden"), (".config/x", "refused_folder"), ("plain.bin", "read_plain"):

@@ -537,6 +537,7 @@ static void release_arrays(io_model *model) {
     for (int64_t i = 0; i < model->n_data; i++)
         pl_free(model->data[i].name);
     pl_free(model->data);
+    io_order_release(&model->data_order);
 }
 
 void io_model_destroy(io_model *model) {

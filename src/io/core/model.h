@@ -37,6 +37,7 @@
 #include "base/printf.h"
 #include "io/core/cell_types.h"
 #include "io/core/names.h"
+#include "io/core/order.h"
 
 #include <planish/planish_io.h>
 
@@ -319,6 +320,7 @@ typedef struct io_model {
     int64_t array_capacity;
     io_data *data; /* [n_data] arrays of data, in the file's order */
     int64_t n_data, data_capacity;
+    io_order data_order;      /* of those that are not more of others */
     int has_entities;         /* of the elements: the file's own, which arrays add to */
     int arrays_are_gone;      /* their values have been released */
     const char **array_name;  /* [n_arrays + 1] their names, and NULL; owned, or NULL */
