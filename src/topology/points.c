@@ -1,6 +1,7 @@
 /* points: coordinates as the caller has them: any stride, all nodes or some; and rows of arrays. */
 #include "topology/points.h"
 
+#include "base/hash.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
@@ -73,16 +74,14 @@ int pl_points_check(const pl_points *p, int threads, planish_error *error) {
  */
 
 /** A number for the bits of a place; -0 and 0 are the same. */
-static uint64_t place_hash(const pl_points *p, int64_t i) {
-    uint64_t hash = 0;
+static uint64_t place_hash(pl_hash hash, const pl_points *p, int64_t i) {
     for (int d = 0; d < p->dim; d++) {
         const double coordinate = p->x[pl_point_at(p, i, d)] + 0.0;
         uint64_t bits;
         memcpy(&bits, &coordinate, sizeof bits);
-        hash = (hash ^ bits) * UINT64_C(0x9E3779B97F4A7C15);
-        hash ^= hash >> 32;
+        pl_hash_add(&hash, bits);
     }
-    return hash;
+    return pl_hash_end(hash);
 }
 
 static int same_place(const pl_points *p, int64_t a, int64_t b) {
@@ -101,8 +100,9 @@ int pl_points_find_doubled(const pl_points *points, uint8_t *is_doubled, planish
         return pl_fail_memory(error, "the places of nodes");
     memset(slot, -1, (size_t)n_slots * sizeof *slot);
     memset(is_doubled, 0, (size_t)points->n);
+    const pl_hash hash = pl_hash_draw(slot);
     for (int32_t i = 0; i < points->n; i++) {
-        int64_t at = (int64_t)(place_hash(points, i) & (uint64_t)(n_slots - 1));
+        int64_t at = (int64_t)(place_hash(hash, points, i) & (uint64_t)(n_slots - 1));
         while (slot[at] >= 0 && !same_place(points, slot[at], i))
             at = (at + 1) & (n_slots - 1);
         if (slot[at] >= 0)

@@ -122,4 +122,23 @@ expect_status 0 "$program" groups shared.inp
 expect_status 0 "$program" groups own.inp
 grep -q '^solids  *200  own$' out || fail "a name of one number: $(grep own out)"
 
+# ---- names as those of the writer's own sets, and names that are written as others ----------------
+python3 - <<'END'
+for kind, names in ("own", ((2, "VOLUME1"), (1, "volume_2"))), ("quoted", ((1, "a'"), (1, "b"), (2, "a_"), (2, "c"))):
+    with open(kind + ".msh", "w") as mesh:
+        mesh.write("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n%d\n" % len(names))
+        mesh.writelines('3 %d "%s"\n' % (number, name.replace("'", "\t")) for number, name in names)
+        mesh.write("$EndPhysicalNames\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 1\n$EndNodes\n")
+        mesh.write("$Elements\n3\n1 4 2 1 1 1 2 3 4\n2 4 2 2 2 2 3 4 5\n3 4 2 1 3 1 2 3 4\n$EndElements\n")
+END
+expect_status 0 "$program" convert own.msh -o own.inp
+! grep -q quotes err || fail "lost of names as the writer's own: $(cat err)"
+expect_status 0 "$program" groups own.inp
+[ "$(grep -c '^solids  *1  VOLUME1$' out)$(grep -c '^solids  *2  volume_2$' out)" = 11 ] ||
+    fail "groups of names as those of elements: $(cat out)"
+expect_status 0 "$program" convert quoted.msh -o quoted.inp
+expect_text "lacks quotes and control characters (now '_') in the names of 1 group"
+expect_status 0 "$program" groups quoted.inp
+[ "$(grep -c '^solids  *2  b$' out)$(grep -c '^solids  *1  c$' out)" = 11 ] || fail "names with '_': $(cat out)"
+
 finish

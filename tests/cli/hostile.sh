@@ -179,6 +179,13 @@ rm piped.msh taken.msh
 cp in.msh result.html && echo '<html>' >page.html
 expect_status 2 "$program" report page.html
 expect_text "page.html, line 1: is not JSON"
+truncate -s 257M large.json
+(printf '[' && yes 1, | tr -d '\n' | head -c 70M) >values.json
+for file in large values; do
+    expect_status 2 bash -c 'ulimit -t 60; exec "$@"' limited "$program" report $file.json
+    expect_one_line
+    expect_text "$file.json: has more than 256 MB or 33 million values"
+done
 cd .. && rm -r things
 
 # ---- folders, and what lies beside a mesh -------------------------------------------------------

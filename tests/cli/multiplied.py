@@ -56,6 +56,7 @@ xdmf("refused_path.xdmf", "<Grid Reference='/Xdmf/Domain/Grid[%d]'/>" % (N + 1) 
 xdmf("refused_children.xdmf", "<Grid Reference='/Xdmf/Domain/Grid[%d]'/>" % (N + 1) * N,
      GRID.replace("</Grid>", "<a/>" * 500000 + "</Grid>"))
 xdmf("refused_attributes.xdmf", GRID.replace("<Grid>", "<Grid %s>" % repeat(1000, " a%d=''")))
+xdmf("refused_alike.xdmf", repeat(16384, GRID.replace("'2 4'>0 1 2 3 1 2 3 4", "'2 4' Format='HDF'>a.h5:" + "/a" * 500 + "%d")))
 # What a mesh names is copied along with it: no file that programs read by themselves.
 os.mkdir(".config")
 for name, wanted in (".profile", "refused_hidden"), (".config/x", "refused_folder"), ("plain.bin", "read_plain"):
@@ -100,6 +101,11 @@ write("choose_numbers.mfem", mfem_with_set(N, N, "all"))
 HEAD = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n%d\n"
 NODES = "$EndPhysicalNames\n$Nodes\n5\n%s$EndNodes\n$Elements\n%%d\n" % numbered(POINTS)
 write("convert_groups.msh", HEAD % N, repeat(N, '3 %d "g%d"\n'), NODES % N, repeat(N, "%d 4 2 %d %d 1 2 3 4\n"), "$EndElements\n")
+# Regions that a hash which files can know (FNV-1a of 32 bits) does not tell apart.
+N, PRIME = 600000, 0x01000193
+SEEDS = [((0x811C9DC5 ^ 3) * PRIME ^ tag) * PRIME & 0x7FFFFFFF for tag in range(1, N + 1)]
+write("read_hashes.msh", HEAD % 0, NODES % N, *["%d 4 2 %d %d 1 2 3 4\n" % (i + 1, s or 1, i + 1) for i, s in enumerate(SEEDS)],
+      "$EndElements\n")
 N = 30000 # names of one number, and the name of many regions
 write("convert_names.msh", HEAD % N, '3 1 "%s"\n' % ("n" * 1000000), repeat(N - 1, '3 1 "g%d"\n'), NODES % N,
       repeat(N, "%d 4 2 1 %d 1 2 3 4\n"), "$EndElements\n")

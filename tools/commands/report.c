@@ -25,17 +25,20 @@
 
 /* ---- the JSON ------------------------------------------------------------------------------- */
 
-/** Read the file at path: its text [length], to be freed, or NULL after a message. */
-static char *read_text(const char *path, size_t *length) {
-    /* A result of some million elements that fall short has hundreds of megabytes; more is none. */
-    static const size_t LARGEST = (size_t)1 << 30;
+/* Limits of a result. Its lists of elements take some 10 bytes for each: these are of 25 million of them.
+ * cJSON takes some 80 bytes for each value. */
+enum { LARGEST = 256 << 20, MOST_VALUES = 1 << 25 };
+
+/** Read the file at path, up to LARGEST bytes and one more: its text [length], to be freed, or NULL and
+ *  errno. */
+static char *read_bytes(const char *path, size_t *length) {
     const int fd = pl_file_open(path, PL_FILE_READ);
     FILE *file = fd >= 0 ? fdopen(fd, "rb") : NULL;
     int wrong = file ? 0 : errno;
     size_t capacity = 1 << 16;
     char *text = malloc(capacity);
     *length = 0;
-    while (!wrong && text && !feof(file)) {
+    while (!wrong && text && !feof(file) && *length <= LARGEST) {
         errno = 0;
         *length += fread(text + *length, 1, capacity - *length, file);
         if (ferror(file) && errno != EINTR)
@@ -45,17 +48,36 @@ static char *read_text(const char *path, size_t *length) {
         if (*length < capacity)
             continue;
         capacity *= 2;
-        char *longer = capacity <= LARGEST ? realloc(text, capacity) : NULL;
-        if (!longer)
-            wrong = capacity <= LARGEST ? ENOMEM : EFBIG;
-        else
+        char *longer = realloc(text, capacity);
+        if (longer)
             text = longer;
+        else
+            wrong = ENOMEM;
     }
     if (file)
         fclose(file);
     if (!wrong && text)
         return text;
-    pl_complain(PL_EXIT_FAILED, "%s: cannot be read: %s", path, strerror(wrong ? wrong : ENOMEM));
+    free(text);
+    errno = wrong ? wrong : ENOMEM;
+    return NULL;
+}
+
+/** Read the file at path: its text [length], to be freed, or NULL after a message. */
+static char *read_text(const char *path, size_t *length) {
+    char *text = read_bytes(path, length);
+    int64_t n_values = 1;
+    if (!text) {
+        pl_complain(PL_EXIT_FAILED, "%s: cannot be read: %s", path, strerror(errno));
+        return NULL;
+    }
+    for (const char *c = text; *length <= LARGEST && c < text + *length; c++)
+        n_values += *c == ',';
+    if (*length <= LARGEST && n_values <= MOST_VALUES)
+        return text;
+    pl_complain(PL_EXIT_FAILED,
+                "%s: has more than %d MB or %d million values; it is too large for a page", path,
+                LARGEST >> 20, MOST_VALUES / 1000000);
     free(text);
     return NULL;
 }

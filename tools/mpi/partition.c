@@ -8,6 +8,8 @@
 
 #include "mpi/piece.h"
 
+#include "base/hash.h"
+
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
@@ -107,13 +109,14 @@ static PetscErrorCode post_exchange(MPI_Comm comm, post *p, size_t size) {
 
 /* ---- facets ---------------------------------------------------------------------------------- */
 
-static uint64_t hash_of(const side *s) {
+/** Return the process at which the sides of a facet meet. */
+static int meeting_of(const side *s, int n_ranks) {
     uint64_t hash = 0;
     for (int k = 0; k < 3; k++) {
         hash = (hash ^ (uint32_t)s->node[k]) * UINT64_C(0x9E3779B97F4A7C15);
         hash ^= hash >> 32;
     }
-    return hash;
+    return (int)(hash % (unsigned)n_ranks);
 }
 
 /** Each side of a facet goes to a process that the nodes tell. */
@@ -137,7 +140,7 @@ static PetscErrorCode send_sides(MPI_Comm comm, int dim, const graph *g, const i
             s.node[place] = of[j];
             n++;
         }
-        post_add(sides, &s, sizeof s, (int)(hash_of(&s) % (unsigned)n_ranks));
+        post_add(sides, &s, sizeof s, meeting_of(&s, n_ranks));
     }
     return post_exchange(comm, sides, sizeof(side));
 }
@@ -155,9 +158,12 @@ static PetscErrorCode match_sides(MPI_Comm comm, const graph *g, const post *sid
     PetscCall(post_create(pairs, sides->n, sizeof(pair)));
     for (int64_t k = 0; k < n_slots; k++)
         first[k] = NONE;
+    const pl_hash drawn = pl_hash_draw(first);
     for (int64_t i = 0; i < sides->n; i++) {
         const side *s = &all[i];
-        int32_t *slot = &first[(hash_of(s) >> 16) % (uint64_t)n_slots], other = *slot;
+        pl_hash hash = drawn;
+        pl_hash_add_integers(&hash, s->node, 3);
+        int32_t *slot = &first[pl_hash_end(hash) % (uint64_t)n_slots], other = *slot;
         while (other != NONE && memcmp(all[other].node, s->node, sizeof s->node) != 0)
             other = next[other];
         if (other == NONE) {

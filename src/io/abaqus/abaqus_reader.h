@@ -9,6 +9,8 @@
 #ifndef PL_IO_ABAQUS_ABAQUS_READER_H
 #define PL_IO_ABAQUS_ABAQUS_READER_H
 
+#include "base/hash.h"
+
 #include "io/core/format.h"
 #include "io/core/text.h"
 
@@ -83,6 +85,7 @@ typedef struct abaqus_reader {
     int32_t *slot[2]; /* [n_slots] hash tables of the names: index or -1; of names with fold the
                          first set that has it */
     int64_t n_slots;
+    pl_hash hash;
     int64_t n[2];                   /* nodes, elements */
     int64_t first_cell[IO_N_LISTS]; /* of each list among the elements */
     int32_t *stamp[2];              /* [n] 1 + the set that had the thing last */

@@ -41,10 +41,11 @@ static int32_t *find_slot(const abaqus_reader *r, abaqus_things things, int32_t 
     const uint64_t mask = (uint64_t)r->n_slots - 1;
     const int is_quoted = abaqus_is_quoted(name);
     const io_slice letters = abaqus_unquoted(name);
-    uint64_t hash = 14695981039346656037u + 2 * (uint64_t)(uint32_t)scope + (uint64_t)things;
+    pl_hash hash = r->hash;
+    pl_hash_add(&hash, 2 * (uint64_t)(uint32_t)scope + (uint64_t)things);
     for (const char *c = letters.begin; c < letters.end; c++)
-        hash = (hash ^ (uint64_t)(unsigned char)letter(c, is_quoted, fold)) * 1099511628211u;
-    for (uint64_t at = (hash ^ hash >> 29) & mask;; at = (at + 1) & mask) {
+        pl_hash_add(&hash, (unsigned char)letter(c, is_quoted, fold));
+    for (uint64_t at = pl_hash_end(hash) & mask;; at = (at + 1) & mask) {
         int32_t *slot = &r->slot[fold][at];
         const abaqus_set *set = *slot < 0 ? NULL : &r->set[*slot];
         if (!set ||
@@ -82,6 +83,7 @@ static int32_t make_set(abaqus_reader *r, abaqus_things things, int32_t scope, i
             memset(r->slot[fold], -1, (size_t)n_slots * sizeof *r->slot[fold]);
         }
         r->n_slots = n_slots;
+        r->hash = pl_hash_draw(r->slot[0]);
         for (int64_t i = 0; i < r->n_sets; i++)
             put_into_slots(r, (int32_t)i);
     }

@@ -54,19 +54,61 @@ static int is_replaced(char c) {
     return c == '"' || (unsigned char)c < ' ';
 }
 
-/** Put a name between quotes, as it has to be where there are blanks. */
+/** Put the name of a group between quotes, as it has to be where there are blanks. */
 static void put_name(io_writer *writer, const char *name) {
     const int length = io_view_name_length(name, IO_VIEW_MOST_NAME);
     io_put_text(writer, "\"");
     for (int i = 0; i < length; i++)
         io_put_bytes(writer, is_replaced(name[i]) ? "_" : name + i, 1);
-    io_put_text(writer, "\"");
+    io_put_text(writer, "\"\n");
+}
+
+/* Names of sets that are none of the mesh: a word, some '_' and a number. */
+enum { GROUP = 4, N_WORDS }; /* before it those of blocks, by their dimension */
+
+static const char *const words[N_WORDS] = {"POINTS", "LINES", "SURFACE", "VOLUME", "GROUP"};
+
+/** How many '_' the names with each word need, so that no group has them. */
+typedef struct set_marks {
+    int n[N_WORDS];
+} set_marks;
+
+/** Return how many '_' names need behind a word so that no group has them, as far as names are written. */
+static int count_marks(const io_model *model, const char *word) {
+    const size_t length = strlen(word);
+    int n_marks = 0;
+    for (int32_t g = 0; g < model->n_groups; g++) {
+        const char *name = model->group[g].name;
+        if (strncasecmp(name, word, length) != 0)
+            continue;
+        int n = 0;
+        for (name += length; *name == '_' || (*name && is_replaced(*name)); name++)
+            n++;
+        if (*name >= '0' && *name <= '9' && n >= n_marks && n < IO_VIEW_MOST_NAME)
+            n_marks = n + 1;
+    }
+    return n_marks;
+}
+
+static set_marks find_marks(const io_model *model) {
+    set_marks marks;
+    for (int i = 0; i < N_WORDS; i++)
+        marks.n[i] = count_marks(model, words[i]);
+    return marks;
+}
+
+/** Put the name of a set that is none of the mesh. */
+static void put_own_name(io_writer *writer, const set_marks *marks, int word, int64_t number) {
+    io_put_text(writer, words[word]);
+    for (int i = 0; i < marks->n[word]; i++)
+        io_put_text(writer, "_");
+    io_put_integer(writer, 0, number);
+    io_put_text(writer, "\n");
 }
 
 /** Put the name of the set that a block is of. */
-static void put_set(io_writer *writer, const io_view_block *block) {
-    static const char *const kinds[] = {"POINTS", "LINES", "SURFACE", "VOLUME"};
-    io_put_format(writer, "%s%" PRId64, kinds[block->dim], block->set);
+static void put_set(io_writer *writer, const set_marks *marks, const io_view_block *block) {
+    put_own_name(writer, marks, block->dim, block->set);
 }
 
 static void put_nodes(io_writer *writer, const io_view *view) {
@@ -86,13 +128,12 @@ static void put_nodes(io_writer *writer, const io_view *view) {
 }
 
 /** Put elements; lines end with a comma where an element goes on in the next one. */
-static void put_block(io_writer *writer, const io_view *view, const io_view_block *block,
-                      const io_view_type *type) {
+static void put_block(io_writer *writer, const io_view *view, const set_marks *marks,
+                      const io_view_block *block, const io_view_type *type) {
     enum { ITEMS = 16 };
     io_view_cell cell;
     io_put_format(writer, "*ELEMENT, TYPE=%s, ELSET=", type->name);
-    put_set(writer, block);
-    io_put_text(writer, "\n");
+    put_set(writer, marks, block);
     for (int64_t i = 0; i < block->n; i++) {
         io_view_cell_at(view, block->cell[i], &cell);
         io_view_fit_cell(view, type, abaqus_node_orders, &cell);
@@ -116,7 +157,6 @@ typedef struct group_members {
     int64_t *member;
     int32_t *listed; /* [n_groups] of the first group of each number: the group of this number whose
                         name no other group has, or ONLY_GROUP, or NO_LISTED */
-    int n_marks;     /* of find_marks */
 } group_members;
 
 /** Put a thing into the groups of an entity that have its dimension: count it, or list it. */
@@ -142,38 +182,34 @@ static void add_members(const io_view *view, const io_view_blocks *blocks, group
         add_member(view, model->node_entity[i], i, m);
 }
 
-/** Find the groups whose names others have, too, as cut ones may: *is_shared [n_groups], owned in any case. */
+/** Return whether '_' stands in a name in place of other characters. */
+static int has_replaced(const char *name) {
+    while (*name && !is_replaced(*name))
+        name++;
+    return *name != '\0';
+}
+
+/** Find the groups whose names others have, too, as cut ones may, and those with '_' if it stands for
+ *  other characters: *is_shared [n_groups], owned in any case. */
 static int find_shared(const io_view *view, uint8_t **is_shared, planish_error *error) {
     const int64_t n = view->model->n_groups;
     int32_t *first;
     int status = io_view_find_names(view, &first, error);
+    int any_replaced = 0;
     *is_shared = pl_alloc_zero(n, 1);
     if (!status && !*is_shared)
         status = pl_fail_memory(error, "groups");
+    for (int64_t g = 0; g < n && !any_replaced; g++)
+        any_replaced = has_replaced(view->model->group[g].name);
     for (int64_t g = 0; g < n && !status; g++) {
-        const int is_cut = strlen(view->model->group[g].name) > IO_VIEW_MOST_NAME;
-        if (first[g] < g || is_cut)
+        const char *name = view->model->group[g].name;
+        if (first[g] < g)
             (*is_shared)[g] = (*is_shared)[first[g]] = 1;
+        (*is_shared)[g] |= strlen(name) > IO_VIEW_MOST_NAME || has_replaced(name) ||
+                           (any_replaced && strchr(name, '_'));
     }
     pl_free(first);
     return status;
-}
-
-/** Return how many '_' a name "GROUP___1" needs that no group has, as far as names are written. */
-static int find_marks(const io_model *model) {
-    static const char start[] = "GROUP";
-    int n_marks = 0;
-    for (int32_t g = 0; g < model->n_groups; g++) {
-        const char *name = model->group[g].name;
-        if (strncasecmp(name, start, strlen(start)) != 0)
-            continue;
-        int n = 0;
-        for (name += strlen(start); *name == '_' || (*name && is_replaced(*name)); name++)
-            n++;
-        if (*name >= '0' && *name <= '9' && n >= n_marks && n < IO_VIEW_MOST_NAME)
-            n_marks = n + 1;
-    }
-    return n_marks;
 }
 
 /** Find the groups that others of their number can be written by. */
@@ -216,7 +252,6 @@ static int find_members(const io_view *view, const io_view_blocks *blocks, group
     if (!m->member)
         return pl_fail_memory(error, "groups");
     add_members(view, blocks, m);
-    m->n_marks = find_marks(view->model);
     return find_listed(view, m, error);
 }
 
@@ -233,34 +268,30 @@ static void put_keyword(io_writer *writer, const io_group *group) {
 
 /** Put the members of a number, of which first is the first group: sets of entities, or nodes. */
 static void put_members(io_writer *writer, const io_view *view, const io_view_blocks *blocks,
-                        const group_members *m, int32_t first) {
+                        const set_marks *marks, const group_members *m, int32_t first) {
     for (int64_t i = m->start[first]; i < m->end[first]; i++) {
-        if (view->model->group[first].dim > 0)
-            put_set(writer, &blocks->block[m->member[i]]);
-        else
-            io_put_integer(writer, 0, io_view_node_number(view, m->member[i]));
+        if (view->model->group[first].dim > 0) {
+            put_set(writer, marks, &blocks->block[m->member[i]]);
+            continue;
+        }
+        io_put_integer(writer, 0, io_view_node_number(view, m->member[i]));
         io_put_text(writer, "\n");
     }
 }
 
 /** Put the name of the set that groups of one number are written by. */
-static void put_listed(io_writer *writer, const io_view *view, const group_members *m,
-                       int32_t first) {
+static void put_listed(io_writer *writer, const io_view *view, const set_marks *marks,
+                       const group_members *m, int32_t first) {
     if (m->listed[first] >= 0)
         put_name(writer, view->model->group[m->listed[first]].name);
-    else {
-        io_put_text(writer, "GROUP");
-        for (int i = 0; i < m->n_marks; i++)
-            io_put_text(writer, "_");
-        io_put_integer(writer, 0, first + 1);
-    }
-    io_put_text(writer, "\n");
+    else
+        put_own_name(writer, marks, GROUP, first + 1);
 }
 
 /** Put a group: its members, or the set that it and the others of its number are written by, so that no
  *  members are written twice. The first group puts that set. */
 static void put_group(io_writer *writer, const io_view *view, const io_view_blocks *blocks,
-                      const group_members *m, int32_t g) {
+                      const set_marks *marks, const group_members *m, int32_t g) {
     const io_group *group = &view->model->group[g];
     const int32_t first = io_view_first_group(view, group->dim, group->tag);
     const int is_only = m->listed[first] == ONLY_GROUP;
@@ -268,26 +299,25 @@ static void put_group(io_writer *writer, const io_view *view, const io_view_bloc
         return;
     if (g == first && !is_only) {
         put_keyword(writer, group);
-        put_listed(writer, view, m, first);
-        put_members(writer, view, blocks, m, first);
+        put_listed(writer, view, marks, m, first);
+        put_members(writer, view, blocks, marks, m, first);
     }
     if (g == m->listed[first])
         return;
     put_keyword(writer, group);
     put_name(writer, group->name);
-    io_put_text(writer, "\n");
     if (is_only)
-        put_members(writer, view, blocks, m, first);
+        put_members(writer, view, blocks, marks, m, first);
     else
-        put_listed(writer, view, m, first);
+        put_listed(writer, view, marks, m, first);
 }
 
 static int put_groups(io_writer *writer, const io_view *view, const io_view_blocks *blocks,
-                      planish_error *error) {
+                      const set_marks *marks, planish_error *error) {
     group_members m;
     const int status = find_members(view, blocks, &m, error);
     for (int32_t g = 0; g < view->model->n_groups && !status; g++)
-        put_group(writer, view, blocks, &m, g);
+        put_group(writer, view, blocks, marks, &m, g);
     release_members(&m);
     return status;
 }
@@ -295,13 +325,13 @@ static int put_groups(io_writer *writer, const io_view *view, const io_view_bloc
 /* ---- the file ------------------------------------------------------------------------------- */
 
 static void put_mesh(io_writer *writer, const io_view *view, const io_view_blocks *blocks,
-                     const io_view_type *types) {
+                     const set_marks *marks, const io_view_type *types) {
     io_put_text(writer, "*HEADING\nwritten by planish\n");
     put_nodes(writer, view);
     for (int64_t b = 0; b < blocks->n; b++) {
         const io_view_type *type = io_view_find_type(types, blocks->block[b].type);
         if (type)
-            put_block(writer, view, &blocks->block[b], type);
+            put_block(writer, view, marks, &blocks->block[b], type);
     }
 }
 
@@ -316,12 +346,18 @@ static void lose_type_names(const io_view *view, const io_view_type *types, io_l
     }
 }
 
-/** Note names that are longer than Abaqus takes them, and those that are cut. */
+/** Note names that are longer than Abaqus takes them, those that are cut, and those with other characters. */
 static void lose_names(const io_model *model, io_losses *losses) {
     enum { MOST_NAME = 80 };
-    int64_t n_long = 0;
-    for (int32_t i = 0; i < model->n_groups; i++)
+    int64_t n_long = 0, n_replaced = 0;
+    for (int32_t i = 0; i < model->n_groups; i++) {
         n_long += strlen(model->group[i].name) > MOST_NAME;
+        n_replaced += has_replaced(model->group[i].name);
+    }
+    if (n_replaced > 0)
+        io_losses_add(losses,
+                      "quotes and control characters (now '_') in the names of %" PRId64 " group%s",
+                      n_replaced, n_replaced > 1 ? "s" : "");
     if (n_long > 0)
         io_losses_add(losses,
                       "names that Abaqus takes (of at most %d characters) for %" PRId64 " group%s",
@@ -337,8 +373,9 @@ static int abaqus_write(const io_view *view, pl_output *output, io_losses *losse
     int status = io_view_blocks_make(view, &blocks, error);
     io_writer_begin(&writer, output, error);
     if (!status) {
-        put_mesh(&writer, view, &blocks, types);
-        status = put_groups(&writer, view, &blocks, error);
+        const set_marks marks = find_marks(view->model);
+        put_mesh(&writer, view, &blocks, &marks, types);
+        status = put_groups(&writer, view, &blocks, &marks, error);
         io_view_lose_types(types, &blocks, losses);
         lose_type_names(view, types, losses);
         lose_names(view->model, losses);

@@ -6,25 +6,34 @@
 
 #include <string.h>
 
+static int compare_arrays(const void *key, const void *list, int64_t index) {
+    const io_data *a = key, *b = (const io_data *)list + index;
+    return !a->of_elements == !b->of_elements ? strcmp(a->name, b->name)
+                                              : !a->of_elements - !b->of_elements;
+}
+
 const io_data *io_data_find(const io_model *model, const char *name, int of_elements) {
-    for (int64_t i = 0; i < model->n_data; i++) {
-        const io_data *data = &model->data[i];
-        if (!data->of_elements == !of_elements && strcmp(data->name, name) == 0)
-            return data;
-    }
-    return NULL;
+    const io_data key = {.name = (char *)(uintptr_t)name, .of_elements = of_elements};
+    int64_t place;
+    const int64_t i = io_order_find(&model->data_order, &key, model->data, compare_arrays, &place);
+    return i < 0 ? NULL : &model->data[i];
 }
 
 int io_data_note(io_model *model, io_data data, planish_error *error) {
     if (model->n_data == IO_MOST_DATA)
         return PLANISH_OK;
-    data.is_more = io_data_find(model, data.name, data.of_elements) != NULL;
+    int64_t place;
+    data.is_more =
+        io_order_find(&model->data_order, &data, model->data, compare_arrays, &place) >= 0;
     data.name = pl_copy_text(data.name);
-    if (data.name &&
-        pl_append(&model->data, &model->n_data, &model->data_capacity, &data, sizeof data))
-        return PLANISH_OK;
-    pl_free(data.name);
-    return pl_fail_memory(error, "the names of arrays");
+    if (!data.name ||
+        !pl_append(&model->data, &model->n_data, &model->data_capacity, &data, sizeof data)) {
+        pl_free(data.name);
+        return pl_fail_memory(error, "the names of arrays");
+    }
+    return data.is_more || io_order_insert(&model->data_order, place, model->n_data - 1)
+               ? PLANISH_OK
+               : pl_fail_memory(error, "the names of arrays");
 }
 
 int io_data_fail(const io_model *model, const io_data *data, int64_t at, planish_error *error,

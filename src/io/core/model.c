@@ -189,16 +189,15 @@ void io_cells_release(io_cells *cells) {
 
 /* ---- entities and groups ------------------------------------------------------------------ */
 
-/** The slot of the entity, or the free one where it belongs (FNV-1a over the numbers). */
+/** The slot of the entity, or the free one where it belongs. */
 static int32_t *find_entity_slot(const io_model *model, int dim, int32_t tag, int n_physical,
                                  const int32_t *physical) {
     const size_t size = (size_t)n_physical * sizeof *physical;
     const uint32_t mask = (uint32_t)model->n_slots - 1;
-    uint32_t hash = (2166136261u ^ (uint32_t)dim) * 16777619u;
-    hash = (hash ^ (uint32_t)tag) * 16777619u;
-    for (int i = 0; i < n_physical; i++)
-        hash = (hash ^ (uint32_t)physical[i]) * 16777619u;
-    for (uint32_t at = (hash ^ hash >> 15) & mask;; at = (at + 1) & mask) {
+    pl_hash hash = model->entity_hash;
+    pl_hash_add(&hash, (uint64_t)dim << 32 | (uint32_t)tag);
+    pl_hash_add_integers(&hash, physical, n_physical);
+    for (uint32_t at = (uint32_t)pl_hash_end(hash) & mask;; at = (at + 1) & mask) {
         int32_t *slot = &model->entity_slot[at];
         const io_entity *e = *slot < 0 ? NULL : &model->entity[*slot];
         if (!e || (e->dim == dim && e->tag == tag && e->n_physical == n_physical &&
@@ -222,6 +221,7 @@ static int grow_entity_slots(io_model *model, planish_error *error) {
     memset(slot, -1, (size_t)n_slots * sizeof *slot);
     pl_free(model->entity_slot);
     model->entity_slot = slot;
+    model->entity_hash = pl_hash_draw(slot);
     model->n_slots = n_slots;
     for (int32_t i = 0; i < model->n_entities; i++) {
         const io_entity *e = &model->entity[i];
@@ -537,6 +537,7 @@ static void release_arrays(io_model *model) {
     for (int64_t i = 0; i < model->n_data; i++)
         pl_free(model->data[i].name);
     pl_free(model->data);
+    io_order_release(&model->data_order);
 }
 
 void io_model_destroy(io_model *model) {

@@ -33,9 +33,11 @@
 #ifndef PL_IO_CORE_MODEL_H
 #define PL_IO_CORE_MODEL_H
 
+#include "base/hash.h"
 #include "base/printf.h"
 #include "io/core/cell_types.h"
 #include "io/core/names.h"
+#include "io/core/order.h"
 
 #include <planish/planish_io.h>
 
@@ -295,7 +297,8 @@ typedef struct io_model {
     int64_t entity_capacity;
     int32_t *entity_slot; /* [n_slots] hash table of the entities: index or -1 */
     int32_t n_slots;      /* a power of two, or 0 */
-    io_group *group;      /* [n_groups] */
+    pl_hash entity_hash;
+    io_group *group; /* [n_groups] */
     int64_t n_groups, group_capacity;
     int groups_by_name; /* numbers of entities and groups are none of the file's (Abaqus) */
     io_names
@@ -317,6 +320,7 @@ typedef struct io_model {
     int64_t array_capacity;
     io_data *data; /* [n_data] arrays of data, in the file's order */
     int64_t n_data, data_capacity;
+    io_order data_order;      /* of those that are not more of others */
     int has_entities;         /* of the elements: the file's own, which arrays add to */
     int arrays_are_gone;      /* their values have been released */
     const char **array_name;  /* [n_arrays + 1] their names, and NULL; owned, or NULL */

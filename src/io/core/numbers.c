@@ -5,6 +5,7 @@
  * are, and what is written goes to all of them. Programs that own such formats take the same node
  * again, too. One that is given at different places is refused: which is meant, nobody knows.
  */
+#include "base/hash.h"
 #include "base/memory.h"
 #include "base/status.h"
 #include "io/core/model.h"
@@ -164,16 +165,14 @@ static int unite_copies(io_model *model, planish_error *error) {
 /* ---- points given again --------------------------------------------------------------------- */
 
 /** The hash of a point; -0 is 0. */
-static uint64_t hash_of(const double xyz[3]) {
-    uint64_t hash = 0;
+static uint64_t hash_of(pl_hash hash, const double xyz[3]) {
     for (int d = 0; d < 3; d++) {
         const double value = xyz[d] + 0.0;
         uint64_t bits;
         memcpy(&bits, &value, sizeof bits);
-        hash = (hash ^ bits) * 0x9e3779b97f4a7c15u;
-        hash ^= hash >> 29;
+        pl_hash_add(&hash, bits);
     }
-    return hash;
+    return pl_hash_end(hash);
 }
 
 static int is_same_point(const double a[3], const double b[3]) {
@@ -192,9 +191,10 @@ int io_weld_nodes(io_model *model, planish_error *error) {
         return pl_fail_memory(error, "the points of the file");
     }
     memset(slot, -1, (size_t)n_slots * sizeof *slot);
+    const pl_hash hash = pl_hash_draw(slot);
     for (int64_t i = 0; i < n; i++) {
         const double *xyz = model->xyz + 3 * i;
-        int64_t at = (int64_t)(hash_of(xyz) & (uint64_t)(n_slots - 1));
+        int64_t at = (int64_t)(hash_of(hash, xyz) & (uint64_t)(n_slots - 1));
         while (slot[at] >= 0 && !is_same_point(model->xyz + 3 * (int64_t)slot[at], xyz))
             at = (at + 1) & (n_slots - 1);
         n_copies += slot[at] >= 0;

@@ -16,6 +16,7 @@
 #include "io/file/file.h"
 #include "io/file/plane.h"
 
+#include "base/hash.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
@@ -37,6 +38,7 @@ typedef struct listing {
     int are_facets;    /* of the elements; else they are edges of solid ones */
     int32_t *slot;     /* [mask + 1] a cell, or -1; of equal cells any one */
     int64_t mask;
+    pl_hash hash;
     uint64_t *around; /* [n] bit 0: elements have it; the others are 0 if these close around it */
     uint8_t *where;   /* [n] where each cell is, then whether it is plain */
     int is_missing;   /* elements have one that is not listed */
@@ -68,11 +70,10 @@ static const int32_t *corners_of(const listing *l, int64_t i) {
  *  its slot. */
 static int32_t find_or_add(const listing *l, const int32_t *nodes, int32_t cell) {
     int32_t sorted[MOST_CORNERS], other[MOST_CORNERS];
-    uint64_t hash = 0;
+    pl_hash hash = l->hash;
     sort_nodes(nodes, l->corners, sorted);
-    for (int i = 0; i < l->corners; i++)
-        hash = mix(hash + (uint64_t)(uint32_t)sorted[i] + 1);
-    for (int64_t at = (int64_t)(hash & (uint64_t)l->mask);; at = (at + 1) & l->mask) {
+    pl_hash_add_integers(&hash, sorted, l->corners);
+    for (int64_t at = (int64_t)(pl_hash_end(hash) & (uint64_t)l->mask);; at = (at + 1) & l->mask) {
         int32_t there = __atomic_load_n(&l->slot[at], __ATOMIC_RELAXED);
         if (there < 0 &&
             (cell < 0 || __atomic_compare_exchange_n(&l->slot[at], &there, cell, 0,
@@ -287,6 +288,7 @@ static int find_plain(io_model *model, int list, int solid_dim, planish_error *e
         n_slots *= 2;
     l.slot = pl_alloc(n_slots, sizeof *l.slot);
     l.mask = n_slots - 1;
+    l.hash = pl_hash_draw(l.slot);
     l.around = pl_alloc_zero(n, sizeof *l.around);
     l.where = pl_alloc(n, 1);
     int status = PLANISH_OK;

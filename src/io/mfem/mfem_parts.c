@@ -40,12 +40,9 @@ static int32_t *find_slot(const mfem_parts *parts, const int32_t *sorted) {
         if (is_slot_of(parts, *slot, sorted))
             return slot;
     }
-    uint64_t hash = 0;
-    for (int i = 0; i < parts->width; i++) {
-        hash = (hash + (uint64_t)(uint32_t)sorted[i] + 1) * 0x9e3779b97f4a7c15u;
-        hash ^= hash >> 32;
-    }
-    for (uint64_t at = hash & mask;; at = (at + 1) & mask)
+    pl_hash hash = parts->hash;
+    pl_hash_add_integers(&hash, sorted, parts->width);
+    for (uint64_t at = pl_hash_end(hash) & mask;; at = (at + 1) & mask)
         if (is_slot_of(parts, parts->slot[at], sorted))
             return &parts->slot[at];
 }
@@ -61,6 +58,7 @@ static int grow_slots(mfem_parts *parts, planish_error *error) {
     memset(slot, -1, (size_t)n_slots * sizeof *slot);
     pl_free(parts->slot);
     parts->slot = slot;
+    parts->hash = pl_hash_draw(slot);
     parts->n_slots = n_slots;
     for (int64_t i = 0; i < parts->n; i++)
         *find_slot(parts, parts->vertex + i * parts->width) = (int32_t)i;

@@ -12,6 +12,8 @@
 #ifndef PL_IO_MFEM_MFEM_READER_H
 #define PL_IO_MFEM_MFEM_READER_H
 
+#include "base/hash.h"
+
 #include "io/core/elements.h"
 #include "io/core/records.h"
 
@@ -59,6 +61,7 @@ typedef struct mfem_parts {
     int32_t *vertex; /* [n][width] owned, ascending */
     int32_t *slot;   /* [n_slots] owned hash table: index or -1 */
     int64_t n_slots; /* a power of two, or 0 */
+    pl_hash hash;
 } mfem_parts;
 
 /** How the values of `nodes` belong to elements. */

@@ -17,6 +17,7 @@
 #include "io/core/number.h"
 #include "io/core/records.h"
 
+#include "base/hash.h"
 #include "base/memory.h"
 #include "base/status.h"
 
@@ -53,6 +54,7 @@ typedef struct obj_reader {
     int32_t entity[3];       /* of lines and faces by their dimension; -1: not made yet */
     int32_t *slot;           /* [n_slots] hash table of names: their numbers, or -1 */
     int64_t n_slots;
+    pl_hash hash;
     int32_t n_names;
     int64_t *name_group; /* [n_names] one of model->group with that name */
     int64_t name_capacity;
@@ -117,10 +119,10 @@ static obj_kind take_kind(io_cursor *line) {
 
 /** Find the slot of a name, or the free one where it belongs. */
 static int32_t *find_slot(const obj_reader *r, io_slice name) {
-    uint64_t hash = 0;
+    pl_hash hash = r->hash;
     for (const char *c = name.begin; c < name.end; c++)
-        hash = (hash ^ (unsigned char)*c) * 0x100000001b3u;
-    for (uint64_t at = hash ^ hash >> 17;; at++) {
+        pl_hash_add(&hash, (unsigned char)*c);
+    for (uint64_t at = pl_hash_end(hash);; at++) {
         int32_t *slot = &r->slot[at & (uint64_t)(r->n_slots - 1)];
         if (*slot < 0 || io_slice_is(name, r->model->group[r->name_group[*slot]].name, 0))
             return slot;
@@ -143,6 +145,7 @@ static int grow_slots(obj_reader *r) {
     memset(slot, -1, (size_t)n * sizeof *slot);
     pl_free(r->slot);
     r->slot = slot;
+    r->hash = pl_hash_draw(slot);
     r->n_slots = n;
     for (int32_t i = 0; i < r->n_names; i++)
         *find_slot(r, name_of(r, i)) = i;

@@ -286,6 +286,7 @@ typedef struct xdmf_set {
 typedef struct xdmf_sets {
     xdmf_set *set; /* [n] owned */
     int64_t n, capacity;
+    io_order order;        /* of names */
     int64_t n_nodes, most; /* of all sets, and how many these may have */
 } xdmf_sets;
 
@@ -342,18 +343,25 @@ static int add_face(xdmf_reader *r, const vtk_grid *grid, int64_t cell, int64_t 
 
 typedef enum set_kind { SET_OF_NODES, SET_OF_CELLS, SET_OF_FACES } set_kind;
 
+static int compare_set(const void *key, const void *list, int64_t index) {
+    return strcmp(key, ((const xdmf_set *)list)[index].name);
+}
+
 /** Find the set of that name, a new one if there is none. */
 static int find_set(xdmf_reader *r, xdmf_sets *sets, const char *name, xdmf_set **set) {
     const xdmf_set new = {.name = name};
-    *set = NULL;
-    for (int64_t i = 0; i < sets->n && !*set; i++)
-        *set = strcmp(sets->set[i].name, name) == 0 ? &sets->set[i] : NULL;
-    if (!*set && sets->n == MOST_SETS)
+    int64_t place, i = io_order_find(&sets->order, name, sets->set, compare_set, &place);
+    if (i < 0 && sets->n == MOST_SETS)
         return pl_fail(r->error, PLANISH_ERROR_FORMAT, "%s: there are more than %d sets",
                        r->document.view.input.path, MOST_SETS);
-    if (!*set)
-        *set = pl_append(&sets->set, &sets->n, &sets->capacity, &new, sizeof new);
-    return *set ? PLANISH_OK : pl_fail_memory(r->error, "the sets of the file");
+    if (i < 0) {
+        i = sets->n;
+        if (!pl_append(&sets->set, &sets->n, &sets->capacity, &new, sizeof new) ||
+            !io_order_insert(&sets->order, place, i))
+            return pl_fail_memory(r->error, "the sets of the file");
+    }
+    *set = &sets->set[i];
+    return PLANISH_OK;
 }
 
 /** Read the lists of a set: of nodes or cells, and maybe faces of these. */
@@ -470,6 +478,7 @@ static void release_sets(xdmf_sets *sets) {
     for (int64_t i = 0; i < sets->n; i++)
         pl_free(sets->set[i].node);
     pl_free(sets->set);
+    io_order_release(&sets->order);
 }
 
 /* ---- pieces --------------------------------------------------------------------------------- */

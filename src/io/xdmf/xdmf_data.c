@@ -22,13 +22,36 @@ typedef struct xdmf_array {
 typedef struct xdmf_arrays {
     xdmf_array *array; /* [n] owned */
     int64_t n, capacity;
+    io_order order;
 } xdmf_arrays;
 
+static int compare_arrays(const void *key, const void *list, int64_t index) {
+    const xdmf_array *a = key, *b = (const xdmf_array *)list + index;
+    return a->of_cells != b->of_cells ? a->of_cells - b->of_cells : strcmp(a->name, b->name);
+}
+
 static const xdmf_array *find_array(const xdmf_arrays *list, const char *name, int of_cells) {
-    for (int64_t i = 0; i < list->n; i++)
-        if (list->array[i].of_cells == of_cells && strcmp(list->array[i].name, name) == 0)
-            return &list->array[i];
-    return NULL;
+    const xdmf_array key = {.name = name, .of_cells = of_cells};
+    int64_t place;
+    const int64_t i = io_order_find(&list->order, &key, list->array, compare_arrays, &place);
+    return i < 0 ? NULL : &list->array[i];
+}
+
+static void release_arrays(xdmf_arrays *list) {
+    pl_free(list->array);
+    io_order_release(&list->order);
+}
+
+/** Add an array to a list, unless it is there or the list is full. */
+static int enter_array(xdmf_reader *r, xdmf_array array, xdmf_arrays *list) {
+    int64_t place;
+    if (list->n == IO_MOST_DATA ||
+        io_order_find(&list->order, &array, list->array, compare_arrays, &place) >= 0)
+        return PLANISH_OK;
+    return pl_append(&list->array, &list->n, &list->capacity, &array, sizeof array) &&
+                   io_order_insert(&list->order, place, list->n - 1)
+               ? PLANISH_OK
+               : pl_fail_memory(r->error, "the names of arrays");
 }
 
 /** Add an Attribute element, if it is of nodes or cells. */
@@ -38,12 +61,9 @@ static int add_array(xdmf_reader *r, int64_t element, xdmf_arrays *list) {
     const xdmf_array array = {.name = xdmf_attribute(d, element, "Name"),
                               .of_cells = center && strcasecmp(center, "Cell") == 0,
                               .element = element};
-    if (!array.name || (center && !array.of_cells && strcasecmp(center, "Node") != 0) ||
-        list->n == IO_MOST_DATA || find_array(list, array.name, array.of_cells))
+    if (!array.name || (center && !array.of_cells && strcasecmp(center, "Node") != 0))
         return PLANISH_OK;
-    return pl_append(&list->array, &list->n, &list->capacity, &array, sizeof array)
-               ? PLANISH_OK
-               : pl_fail_memory(r->error, "the names of arrays");
+    return enter_array(r, array, list);
 }
 
 static int list_arrays(xdmf_reader *r, const xdmf_piece *piece, xdmf_arrays *list) {
@@ -195,31 +215,25 @@ static int read_region(xdmf_reader *r, const xdmf_mesh *m, const xdmf_arrays *li
     return status;
 }
 
-/** Return whether a piece before that one has the array, of cells, and elements. */
-static int is_read(const xdmf_reader *r, const xdmf_mesh *m, const xdmf_arrays *lists,
-                   int64_t piece, const char *name) {
-    for (int64_t k = 0; k < piece; k++)
-        if (has_elements(r, &m->piece[k]) && find_array(&lists[k], name, 1))
-            return 1;
-    return 0;
-}
-
 /** Read the arrays of one number for each cell of a piece with elements. */
 static int read_regions(xdmf_reader *r, const xdmf_mesh *m, const xdmf_arrays *lists) {
-    int status = PLANISH_OK, n = 0;
+    xdmf_arrays seen = {.n = 0};
+    int status = PLANISH_OK;
     for (int64_t k = 0; k < m->n_pieces && !status; k++)
-        for (int64_t i = 0; i < lists[k].n && n < IO_MOST_ARRAYS && !status; i++) {
+        for (int64_t i = 0; i < lists[k].n && seen.n < IO_MOST_ARRAYS && !status; i++) {
             const xdmf_array *array = &lists[k].array[i];
             xdmf_item item;
             int64_t width = 0;
             if (!array->of_cells || !has_elements(r, &m->piece[k]) ||
-                is_read(r, m, lists, k, array->name))
+                find_array(&seen, array->name, 1))
                 continue;
             status = forgive(r, find_values(r, array, m->piece[k].n, &item, &width));
             if (!status && width == 1)
                 status = read_region(r, m, lists, array->name);
-            n++;
+            if (!status)
+                status = enter_array(r, *array, &seen);
         }
+    release_arrays(&seen);
     return status;
 }
 
@@ -263,7 +277,7 @@ int xdmf_read_attributes(xdmf_reader *r, xdmf_mesh *m) {
     for (int64_t k = 0; k < m->n_pieces && !status; k++)
         status = note_arrays(r, m, &m->piece[k], &lists[k]);
     for (int64_t k = 0; k < m->n_pieces && lists; k++)
-        pl_free(lists[k].array);
+        release_arrays(&lists[k]);
     pl_free(lists);
     return status;
 }
@@ -310,7 +324,7 @@ static int read_piece(xdmf_reader *r, const xdmf_mesh *m, const xdmf_piece *piec
             memcpy(all + g->first_node * width, values, (size_t)(n * width) * sizeof *values);
     }
     pl_free(values);
-    pl_free(list.array);
+    release_arrays(&list);
     return status;
 }
 

@@ -15,6 +15,7 @@ typedef struct grid_walk {
     int is_later; /* in a step that is not the first */
     int level;
     int64_t n_taken; /* grids, once for each reference to them */
+    io_order geometries, pieces;
 } grid_walk;
 
 /* ---- one grid ------------------------------------------------------------------------------- */
@@ -64,6 +65,14 @@ static int take_geometry(xdmf_reader *r, int64_t element, xdmf_geometry *g) {
                      name);
 }
 
+static int compare_geometry(const void *key, const void *list, int64_t index) {
+    const xdmf_geometry *a = key, *b = (const xdmf_geometry *)list + index;
+    int order = a->columns != b->columns ? a->columns - b->columns : a->n_items - b->n_items;
+    for (int i = 0; i < a->n_items && !order; i++)
+        order = xdmf_compare(&a->item[i], &b->item[i]);
+    return order;
+}
+
 /** Find the number of the geometry of a grid, a new one if there is none like it. */
 static int find_geometry(grid_walk *w, int64_t element, int64_t *index) {
     xdmf_mesh *m = w->mesh;
@@ -71,16 +80,14 @@ static int find_geometry(grid_walk *w, int64_t element, int64_t *index) {
     const int status = take_geometry(w->r, element, &g);
     if (status)
         return status;
-    for (*index = 0; *index < m->n_geometries; ++*index) {
-        const xdmf_geometry *other = &m->geometry[*index];
-        int is_same = other->n_items == g.n_items && other->columns == g.columns;
-        for (int i = 0; i < g.n_items && is_same; i++)
-            is_same = xdmf_compare(&other->item[i], &g.item[i]) == 0;
-        if (is_same)
-            return PLANISH_OK;
-    }
-    return w->is_later ||
-                   pl_append(&m->geometry, &m->n_geometries, &m->geometry_capacity, &g, sizeof g)
+    int64_t place;
+    *index = io_order_find(&w->geometries, &g, m->geometry, compare_geometry, &place);
+    if (*index >= 0)
+        return PLANISH_OK;
+    *index = m->n_geometries;
+    return w->is_later || (pl_append(&m->geometry, &m->n_geometries, &m->geometry_capacity, &g,
+                                     sizeof g) &&
+                           io_order_insert(&w->geometries, place, *index))
                ? PLANISH_OK
                : pl_fail_memory(w->r->error, "the grids of the file");
 }
@@ -91,22 +98,27 @@ static int fail_moving(const grid_walk *w, int64_t grid) {
                      "be smoothed to a file of its own");
 }
 
+static int compare_piece(const void *key, const void *list, int64_t index) {
+    const xdmf_piece *a = key, *b = (const xdmf_piece *)list + index;
+    if (a->geometry != b->geometry)
+        return a->geometry < b->geometry ? -1 : 1;
+    if (a->has_item != b->has_item)
+        return a->has_item - b->has_item;
+    return a->has_item ? xdmf_compare(&a->item, &b->item)
+                       : (a->topology > b->topology) - (a->topology < b->topology);
+}
+
 /** Find the piece that a grid is of, and add the grid to it; a new one if there is none like it. */
 static int add_to_piece(grid_walk *w, int64_t grid, xdmf_piece *new) {
     xdmf_mesh *m = w->mesh;
-    xdmf_piece *piece = NULL;
-    for (int64_t i = 0; i < m->n_pieces && !piece; i++) {
-        xdmf_piece *other = &m->piece[i];
-        const int is_same = other->has_item && new->has_item
-                                ? xdmf_compare(&other->item, &new->item) == 0
-                                : other->topology == new->topology;
-        piece = is_same && other->geometry == new->geometry ? other : NULL;
-    }
+    int64_t place;
+    const int64_t i = io_order_find(&w->pieces, new, m->piece, compare_piece, &place);
+    xdmf_piece *piece = i < 0 ? NULL : &m->piece[i];
     if (w->is_later)
         return piece ? PLANISH_OK : fail_moving(w, grid);
     if (!piece && m->n_pieces == MOST_PIECES)
         return xdmf_fail(&w->r->document, grid, "there are more than %d pieces", MOST_PIECES);
-    if (!piece)
+    if (!piece && io_order_insert(&w->pieces, place, m->n_pieces))
         piece = pl_append(&m->piece, &m->n_pieces, &m->piece_capacity, new, sizeof *new);
     return piece && pl_append(&piece->grids.element, &piece->grids.n, &piece->grids.capacity, &grid,
                               sizeof grid)
@@ -194,6 +206,8 @@ int xdmf_mesh_find(xdmf_reader *r, xdmf_mesh *mesh) {
     if (!status && mesh->n_pieces == 0)
         status = xdmf_fail(&r->document, 0, "there is no Grid in a Domain");
     pl_free(domains.element);
+    io_order_release(&w.geometries);
+    io_order_release(&w.pieces);
     return status;
 }
 

@@ -53,10 +53,9 @@ static corner_key key_of(const xdmf_table *t, int64_t slot) {
 
 /** Return the slot of a key, or the free one where it belongs. */
 static int64_t *find_slot(const xdmf_table *t, const corner_key *key) {
-    uint64_t hash = UINT64_C(14695981039346656037);
-    for (int i = 0; i < MOST_CORNERS; i++)
-        hash = (hash ^ (uint32_t)key->node[i]) * UINT64_C(1099511628211);
-    for (uint64_t at = (hash ^ hash >> 32) & (uint64_t)(t->n_slots - 1);;
+    pl_hash hash = t->hash;
+    pl_hash_add_integers(&hash, key->node, MOST_CORNERS);
+    for (uint64_t at = pl_hash_end(hash) & (uint64_t)(t->n_slots - 1);;
          at = (at + 1) & (uint64_t)(t->n_slots - 1)) {
         const corner_key other = t->slot[at] < 0 ? *key : key_of(t, t->slot[at]);
         if (memcmp(&other, key, sizeof other) == 0)
@@ -77,6 +76,7 @@ static int make_room(xdmf_table *t, int64_t n, planish_error *error) {
     memset(slot, -1, (size_t)n_slots * sizeof *slot);
     pl_free(t->slot);
     t->slot = slot;
+    t->hash = pl_hash_draw(slot);
     t->n_slots = n_slots;
     t->n_entered[0] = t->n_entered[1] = 0;
     return PLANISH_OK;

@@ -4,6 +4,8 @@
 #ifndef PL_IO_XDMF_XDMF_TAGS_H
 #define PL_IO_XDMF_XDMF_TAGS_H
 
+#include "base/hash.h"
+
 #include "io/core/parts.h"
 #include "io/vtk/vtk_cells.h"
 
@@ -13,6 +15,7 @@ typedef struct xdmf_table {
     int64_t n_entered[2]; /* of them */
     int64_t *slot;        /* [n_slots] owned: 2 * index + list; -1 */
     int64_t n_slots;
+    pl_hash hash;
 } xdmf_table;
 
 /** Tables of flat and of solid cells, which begin as zeros. */
