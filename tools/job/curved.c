@@ -142,8 +142,10 @@ void pl_curved_try(pl_job *job) {
         return;
     int is_there = 1;
     if (job->arguments->surface_of) {
-        is_there = !planish_file_open_isolated(job->arguments->surface_of, NULL,
-                                               job->options.threads, &original, &ignored);
+        is_there = !planish_file_open_with(
+            job->arguments->surface_of,
+            &(planish_open_options){.threads = job->options.threads, .isolated = 1}, &original,
+            &ignored);
         const planish_mesh other = planish_file_mesh(original);
         is_there = is_there && pl_same_meshes(&mesh, &other);
     }

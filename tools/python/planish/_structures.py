@@ -9,7 +9,6 @@ from typing import Annotated, Any
 from ._fields import Double, Int, Int64, Pointer, Size, Text, fields
 
 Reserved1 = Annotated[Any, c_void_p * 1]
-Reserved3 = Annotated[Any, c_void_p * 3]
 Reserved4 = Annotated[Any, c_void_p * 4]
 Reserved6 = Annotated[Any, c_void_p * 6]
 Reserved8 = Annotated[Any, c_void_p * 8]
