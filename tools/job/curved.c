@@ -171,7 +171,7 @@ int pl_curved_measure(const pl_job *job, planish_shape_distance *distance) {
     planish_error error;
     planish_mesh mesh = planish_file_mesh(job->file);
     *distance = (planish_shape_distance){.distance = 0};
-    return planish_measure_shape(job->curved.shape, &mesh, job->options.threads, distance, &error)
+    return planish_shape_measure(job->curved.shape, &mesh, job->options.threads, distance, &error)
                ? pl_job_complain(job, PL_EXIT_FAILED, &error)
                : 0;
 }

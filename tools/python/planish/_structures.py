@@ -85,9 +85,9 @@ class LayerRow(Structure):
     """planish_layer_row."""
 
     n: Int64
-    least: Double
+    min: Double
     median: Double
-    most: Double
+    max: Double
 
 
 @fields
