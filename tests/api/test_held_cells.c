@@ -213,7 +213,7 @@ static void calls_have_the_rounding_of_the_plan(void **state) {
         planish_error error;
         int64_t n = -1;
         options.rounding = 0.1;
-        p.mesh.n_elements = p.cells.n;
+        cell_pair_fasten(&p);
         assert_int_equal(planish_plan_create(&p.mesh, &options, &plan, NULL), 0);
         options.rounding = 0.2;
         assert_int_equal(planish_smooth(plan, p.x, &options, NULL, &error), PLANISH_ERROR_ARGUMENT);
