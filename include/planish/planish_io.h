@@ -34,7 +34,7 @@ extern "C" {
 #endif
 
 /** Version of the planish_io library that is linked, "MAJOR.MINOR.PATCH"; static text. It must be that of
- *  the header (PLANISH_VERSION), and planish_version() the same. */
+ *  the header, PLANISH_VERSION, and of the other library, planish_version. */
 PLANISH_API const char *planish_io_version(void);
 
 /** A mesh file that has been read. The file should not change while it is open: if it does,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ctypes import Structure, c_double, c_int
 from typing import Annotated, Any
 
-from ._fields import Double, Int, Int64, Pointer, Text, fields
+from ._fields import Double, Int, Int64, Pointer, Size, Text, fields
 from ._structures import CellValueArrays, Numbers3, Reserved1, Reserved4, Reserved6, Reserved8, Vector
 
 
