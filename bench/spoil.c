@@ -254,7 +254,7 @@ int main(int argc, char **argv) {
         status = fail("the mesh must be of straight elements");
     else if (!spoil(file, &asked))
         status = fail("out of memory");
-    else if (planish_file_write(file, argv[2], planish_file_coordinates(file), 0, NULL, 0, &error))
+    else if (planish_file_write(file, argv[2], planish_file_coordinates(file), NULL, &error))
         status = fail(error.text);
     planish_file_close(file);
     return status;

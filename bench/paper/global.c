@@ -200,7 +200,8 @@ static int smooth(planish_file *file, const options *o, run *r) {
     double seconds = (double)(clock() - start) / CLOCKS_PER_SEC;
     if (!result)
         report(r, o, status, seconds);
-    if (!result && planish_file_write(file, o->output, r->problem.coordinates, 1, NULL, 0, &error))
+    if (!result && planish_file_write(file, o->output, r->problem.coordinates,
+                                      &(planish_write_options){.threads = 1}, &error))
         result = fail(error.text);
     problem_destroy(&r->problem);
     if (result)

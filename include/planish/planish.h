@@ -38,10 +38,10 @@
  *   Mesh                       planish_mesh, planish_constraint
  *   Mesh in several processes  planish_part, planish_role
  *   Nodes that can slide       planish_find_slides
- *   Curved surfaces            planish_shape_create, planish_measure_shape, planish_smooth_surface
+ *   Curved surfaces            planish_shape_create, planish_shape_measure, planish_smooth_surface
  *   Another surface            planish_fit_create, planish_fit_move, planish_fit_constrain,
  *                              planish_fit_project, planish_fit_measure
- *   Regions                    planish_region_name, planish_find_regions, _combine_regions,
+ *   Regions                    planish_rank_region_name, planish_find_regions, _combine_regions,
  *                              _find_interfaces
  *   Elements thin in layers    planish_find_layers, planish_measure_layers
  *   Options                    planish_options, planish_options_init, callbacks, planish_progress
@@ -439,7 +439,7 @@ typedef struct planish_shape_distance {
 
 /** Bound how far the surface of mesh, at mesh->coordinates, is off shape, which was made of a mesh of the
  *  same elements. Errors: _ARGUMENT (another number of nodes), _MESH, _MEMORY. */
-PLANISH_API int planish_measure_shape(const planish_shape *shape, const planish_mesh *mesh,
+PLANISH_API int planish_shape_measure(const planish_shape *shape, const planish_mesh *mesh,
                                       int threads, planish_shape_distance *distance,
                                       planish_error *error);
 
@@ -468,18 +468,18 @@ typedef struct planish_cell_array {
     const void *reserved[4]; /* NULL */
 } planish_cell_array;
 
-/** Return what the name of an array says about regions, letter case ignored. Above 0: arrays of
- * that name tell regions ("gmsh:physical", "MaterialIDs", ...); a clearer name has a lower number.
+/** Return the rank of an array's name as that of regions, letter case ignored. Above 0: arrays of
+ * that name tell regions ("gmsh:physical", "MaterialIDs", ...); a clearer name has a lower rank.
  * -1: the array tells which process has an element, or where elements come from ("partition",
  * "rank", "vtkGhostType", "vtkOriginalCellIds", ...); it tells regions only if the caller says so.
  * 0: the name says nothing, or is NULL. */
-PLANISH_API int planish_region_name(const char *name);
+PLANISH_API int planish_rank_region_name(const char *name);
 
 /** Find the arrays that tell regions (docs/algorithm.md, "Regions"): is_region of each of arrays
  *  [n_arrays] becomes 1 or 0. An array tells regions under three conditions: all its values are
  *  whole numbers within 64 bits, at least two values differ, and at most half of the facets between
- *  two elements lie between different values. Its name may decide (planish_region_name): an array
- *  of -1 does not tell regions; of the arrays above 0 the one with the lowest number does if its
+ *  two elements lie between different values. Its name may decide (planish_rank_region_name): an array
+ *  of -1 does not tell regions; of the arrays above 0 the one with the lowest rank does if its
  *  values differ. The mesh's coordinates are not used. threads: as in planish_options. Errors, with
  *  arrays untouched: _ARGUMENT, _MESH, _MEMORY, _PARTS (mesh->part: ask for the whole mesh). */
 PLANISH_API int planish_find_regions(const planish_mesh *mesh, planish_cell_array *arrays,
@@ -577,6 +577,9 @@ typedef enum planish_search {
 /** Tolerance of minimum volumes, the paper's threshold: an element meets its minimum volume delta
  * unless g = 1 - V/delta is above this. */
 #define PLANISH_VOLUME_TOLERANCE 0.003
+
+/** planish_options.surface_tolerance if it is 0, in edges of the shape. */
+#define PLANISH_SURFACE_TOLERANCE 0.05
 
 /** Format in which a coordinate is stored in the end. The positions of moving nodes are rounded
  *  to this format before they are judged. With PLANISH_PRECISION_FLOAT the coordinates given should
@@ -707,7 +710,7 @@ typedef struct planish_options {
     double max_displacement;     /* how far from its start a node may go; 0: any distance */
     double rounding; /* elements of order 2: largest distance of a mid from the middle of
                                     a straight edge; 1e-6 of the element's longest edge is always
-                                    allowed. Give plan and call the same value */
+                                    allowed. A call refuses another value than that of the plan */
     planish_length_unit displacement_unit; /* of max_displacement */
     planish_precision precision;           /* format in which coordinates are stored in the end */
     int untangle;           /* not 0 (the default): repair elements that are not positive first,
@@ -742,7 +745,9 @@ typedef struct planish_options {
         *project;       /* for nodes with PLANISH_CONSTRAINT_ON_SURFACE; NULL: these nodes do not
                            move, but count as sliding */
     void *project_user; /* handed to project */
-    /* Of planish_plan_create; a plan keeps them: */
+    /* These reach plans, which keep them (planish_plan_create, planish_measure_mesh, planish_fit_move),
+       and planish_smooth_surface. All other calls have the system's memory and OpenMP's threads, and log
+       nothing: */
     const planish_allocator *allocator; /* copied; NULL: the system's */
     planish_parallel_fn *parallel;      /* NULL: OpenMP's threads. Else threads is the number of
                                            tasks, and none is bound */
@@ -759,7 +764,7 @@ typedef struct planish_options {
                   same nodes. Give plan and call the same shape. NULL: these nodes do not move, but
                   count as sliding */
     double surface_tolerance; /* largest distance of the surface from the shape; 0:
-                                                   0.05 edges */
+                                 PLANISH_SURFACE_TOLERANCE edges */
     planish_length_unit surface_tolerance_unit; /* unit of surface_tolerance; edges are those of the
                                                    shape at the node */
     double
@@ -819,8 +824,8 @@ PLANISH_API void planish_fit_destroy(planish_fit *fit);
  *  worse,
  *  but none becomes invalid. mesh is the mesh of fit; coordinates have its strides. options (NULL:
  *  defaults)
- *  are as for planish_smooth, except that project, shape, method, worst, only_worse_than and around are
- *  ignored, and bounds hold for the smoothing only; progress is called in its sweeps. time_limit is for
+ *  are as for planish_smooth, except that project, shape, method, worst, max_sweeps, only_worse_than and
+ *  around are ignored, and bounds hold for the smoothing only; progress is called in its sweeps. time_limit is for
  *  the
  *  whole call. info (may be NULL) tells how many nodes are not at their places; planish_smooth, or
  *  another call, may make room for them.
@@ -842,7 +847,7 @@ PLANISH_API planish_constraint planish_fit_project(int64_t node, double *point, 
 /** Bound the distance of the boundary of mesh, at mesh->coordinates, from the other surface (distance),
  *  and
  *  the distance back; edge lengths are those of the mesh's boundary. Bends are 0. The bounds are proved,
- *  as those of planish_measure_shape. Errors: _ARGUMENT, _MESH, _MEMORY. */
+ *  as those of planish_shape_measure. Errors: _ARGUMENT, _MESH, _MEMORY. */
 PLANISH_API int planish_fit_measure(const planish_fit *fit, const planish_mesh *mesh,
                                     planish_shape_distance *distance, planish_error *error);
 
@@ -1115,8 +1120,8 @@ enum { PLANISH_LAYER_ROWS = 32 };
 
 /** Heights of a row of a layer beside those that are wanted. */
 typedef struct planish_layer_row {
-    int64_t n;                  /* edges across the layer that count; 0: all numbers are 0 */
-    double least, median, most; /* height / wanted height; below 0: the layer is inverted there */
+    int64_t n;               /* edges across the layer that count; 0: all numbers are 0 */
+    double min, median, max; /* height / wanted height; below 0: the layer is inverted there */
 } planish_layer_row;
 
 /** Heights of layers. The wanted height of an edge across a layer is that in planish_mesh.reference. Where
@@ -1134,8 +1139,8 @@ typedef struct planish_layer_heights {
 /** Compare the heights of the layers that mesh->is_layer marks with those in mesh->reference (NULL: in
  *  mesh->coordinates). off [n_nodes] (may be NULL) is filled with the largest |height / wanted - 1| of
  *  the edges at each node, 0 where a wall was moved or there is no layer. threads: as in
- *  planish_options. On failure heights and off are unspecified. Errors: _ARGUMENT, _MESH, _MEMORY, _PARTS
- *  (mesh->part). */
+ *  planish_options. On failure heights is all 0, and off is untouched. Errors: _ARGUMENT, _MESH, _MEMORY,
+ *  _PARTS (mesh->part). */
 PLANISH_API int planish_measure_layers(const planish_mesh *mesh, int threads,
                                        planish_layer_heights *heights, double *off,
                                        planish_error *error);
@@ -1150,7 +1155,7 @@ typedef struct planish_size_quality {
     double factor;             /* factor on the given sizes with which the domain would hold the
                                   number of elements that it has */
     double rms_log;            /* RMS of log(size / (factor * wanted)) */
-    double least, most;        /* size / (factor * wanted); 0 without elements */
+    double min, max;           /* size / (factor * wanted); 0 without elements */
     int64_t smallest, largest; /* elements that have these, or -1 */
     double reserved[2];
 } planish_size_quality;
@@ -1229,8 +1234,8 @@ typedef struct planish_result {
     int64_t n_refused;       /* moves that would have inverted an element with positive corners, or
                                   made it worse than the worst was */
     int64_t n_released_mids; /* mids that have moved on their own (options.curve_quality) */
-    int64_t n_hopeless;  /* curved elements of n_inverted_inside that are proved invalid wherever
-                            their free nodes go */
+    int64_t n_infeasible_curved; /* curved elements of n_inverted_inside that are proved invalid
+                                    wherever their free nodes go */
     int64_t n_off_shape; /* moves that were shortened or refused because the surface would have been
                             too far off the shape, or bent */
     int64_t reserved[8];
@@ -1256,7 +1261,8 @@ typedef struct planish_result {
  *  brought above it where that can be done. Untangling ends by a bound on its work, which takes
  *  minutes on large meshes that cannot be repaired: set time_limit if that matters.
  *
- *  options (NULL: defaults): threads, bind, isa, allocator, parallel and log are those of the plan.
+ *  options (NULL: defaults, with the plan's rounding): threads, bind, isa, allocator, parallel and log
+ *  are those of the plan.
  *  result may be NULL. Errors: _ARGUMENT, _MESH (a coordinate is not finite), _MEMORY; coordinates
  *  are then untouched. With a mesh in parts also _PROCESS, as of all calls that look at
  *  coordinates. */
@@ -1288,7 +1294,7 @@ PLANISH_API int planish_progress_get_coordinates(const planish_progress *progres
  *  was made of the same cells. mesh->constraint says how; where it is FREE or NULL, the shape says.
  *
  *  The objective F is the RMS of AR (RR of a mesh of triangles alone) over the elements. Promised:
- *  - Each facet stays within options->surface_tolerance of the shape, proved (planish_measure_shape
+ *  - Each facet stays within options->surface_tolerance of the shape, proved (planish_shape_measure
  *    measures the whole surface, both ways). Corners stay, and nodes of curves move along their curves.
  *  - No facet turns by more than 60 degrees from its first direction. No smooth edge bends above 40
  *    degrees, nor further if it does so at the start.
@@ -1301,7 +1307,7 @@ PLANISH_API int planish_progress_get_coordinates(const planish_progress *progres
  *  Nodes of elements of order 2 stay. Elements that have turned over against the shape stay as they are,
  *  and so do their nodes.
  *
- *  options: as for planish_plan_create and planish_smooth. Minimum volumes, Laplacian methods and
+ *  options (not NULL): as for planish_plan_create and planish_smooth. Minimum volumes, Laplacian methods and
  *  PLANISH_OBJECTIVE_EDGE_RATIO are errors; isa, bind and search have no effect. worst: for triangles
  *  RADIUS_RATIO or ANGLE, else ASPECT_RATIO or SCALED_JACOBIAN. result may be NULL. Errors:
  *  _ARGUMENT, _MESH, _MEMORY, _PARTS; coordinates are then untouched. */
@@ -1355,7 +1361,7 @@ PLANISH_API int planish_check_volumes(const planish_plan *plan, const double *co
  *  - elements without a movable node, or with two fixed nodes at one place
  *  - elements that contradict each other, by more than 1e-9 of their measures, around one free node
  *    whose link there is fixed (docs/algorithm.md)
- *  - with options.curve_quality the curved triangles and tetrahedra of planish_result.n_hopeless, by
+ *  - with options.curve_quality the curved triangles and tetrahedra of planish_result.n_infeasible_curved, by
  *    det J at points.
  *
  *  infeasible [n_elements] (may be NULL) is filled with 0 or 1; *n counts the ones. The value is 0 for

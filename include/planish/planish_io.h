@@ -1,7 +1,7 @@
 /* planish_io: mesh files for planish. Read a file, smooth its coordinates and write it back: every
  * byte stays as it was, except the coordinates of moved nodes. Each name begins with planish_file_:
  *
- *     open, open_isolated, open_with, close         read a file into memory, free it
+ *     open, open_with, close                        read a file into memory, free it
  *     formats, get_info, unterminated_path          the format, how the file stores coordinates
  *     mesh, coordinates                             the arrays to smooth; the file owns them
  *     plane, space_coordinates, round_in_plane      triangles: their plane, from it to space
@@ -16,6 +16,7 @@
  *     can_convert, convert, target                  write the mesh in another format
  *
  * planish_sol_read reads the sizes that Medit keeps beside its meshes, planish_data_free frees data.
+ * planish_io_version is the version of this library.
  *
  * Formats: docs/formats.md lists them; planish_file_formats returns their names. Meshes of Elmer and
  * OpenFOAM are folders: give the path of the folder. Calls on different files may run at the same
@@ -32,6 +33,10 @@
 extern "C" {
 #endif
 
+/** Version of the planish_io library that is linked, "MAJOR.MINOR.PATCH"; static text. It must be that of
+ *  the header, PLANISH_VERSION, and of the other library, planish_version. */
+PLANISH_API const char *planish_io_version(void);
+
 /** A mesh file that has been read. The file should not change while it is open: if it does,
  *  planish_file_write refuses to write. Files of up to 64 MB, and HDF5 files, are read into memory.
  *  Larger files are mapped. If another program writes to such a file meanwhile, no call reads or
@@ -44,25 +49,11 @@ typedef struct planish_file planish_file;
 PLANISH_API int planish_file_open(const char *path, const char *format, int threads,
                                   planish_file **file, planish_error *error);
 
-/** Open an untrusted file as planish_file_open does, in a process that must not die. The HDF5
- *  library (1.10) crashes on some damaged files, and takes memory without end for others. A file
- *  that needs HDF5 (CGNS, MED, VTKHDF, DMPlex) is therefore first opened in a child process. Packed
- *  coordinates are later changed in a child process, too. Either failure becomes a _FORMAT error.
- *  On Linux the child may take 1 GB, and 4 kB for each byte of the file, up to three quarters of
- *  the machine's memory.
- *
- *  Opening these files takes twice the time; planish_file_open opens all other files. The child
- *  is a fork of the caller, of the calling thread alone: no other thread may be within the HDF5
- *  library then. If the caller ignores SIGCHLD or waits for any child elsewhere, the signal in
- *  the error's text is 0. Errors besides: _MEMORY: no process could be started. */
-PLANISH_API int planish_file_open_isolated(const char *path, const char *format, int threads,
-                                           planish_file **file, planish_error *error);
-
 /** How a file is opened. */
 typedef struct planish_open_options {
     const char *format; /* as for planish_file_open */
     int threads;        /* as for planish_file_open */
-    int isolated;       /* not 0: as planish_file_open_isolated does */
+    int isolated;       /* not 0: the file is untrusted, and this process must not die */
     double
         plane_tolerance; /* for flat elements only: largest distance of nodes from their plane, as
                                a fraction of the diagonal of their bounding box, 0 .. 1e-3; 0: the
@@ -72,7 +63,17 @@ typedef struct planish_open_options {
 } planish_open_options;
 
 /** Open a file as planish_file_open does, with options (NULL: all 0). Errors besides: _ARGUMENT
- *  (plane_tolerance). */
+ *  (plane_tolerance).
+ *
+ *  isolated is for processes that must not die. The HDF5 library (1.10) crashes on some damaged files,
+ *  and takes memory without end for others. A file that needs HDF5 (CGNS, MED, VTKHDF, DMPlex) is
+ *  therefore first opened in a child process. Packed coordinates are later changed in a child process,
+ *  too. Either failure becomes a _FORMAT error. On Linux the child may take 1 GB, and 4 kB for each byte
+ *  of the file, up to three quarters of the machine's memory. Opening these files takes twice the time;
+ *  for all other files isolated has no effect. The child is a fork of the caller, of the calling thread
+ *  alone: no other thread may be within the HDF5 library then. If the caller ignores SIGCHLD or waits for
+ *  any child elsewhere, the signal in the error's text is 0. Errors besides: _MEMORY: no process could be
+ *  started. */
 PLANISH_API int planish_file_open_with(const char *path, const planish_open_options *options,
                                        planish_file **file, planish_error *error);
 
@@ -367,6 +368,14 @@ PLANISH_API int planish_file_can_write(const planish_file *file, const char *pat
 PLANISH_API int planish_file_check_output(const planish_file *file, const char *path,
                                           planish_error *error);
 
+/** How a file is written. */
+typedef struct planish_write_options {
+    int threads;             /* 0: as many as OpenMP would use */
+    char *temporary;         /* list of the paths of temporary files, or NULL */
+    size_t temporary_size;   /* bytes of temporary */
+    const void *reserved[4]; /* NULL */
+} planish_write_options;
+
 /** Write the file to path with coordinates [n_nodes][dim]: a copy of the input in which only
  * coordinates that differ from those read are replaced.
  * - A regular file is written beside its place and renamed. It keeps the owner, mode, access list and
@@ -378,7 +387,7 @@ PLANISH_API int planish_file_check_output(const planish_file *file, const char *
  *   written, too.
  * - A mesh that is a folder is written to a new folder, which is made beside its place with all files
  *   of the mesh and renamed. If path is the input, only its file of coordinates is replaced.
- * temporary (may be NULL): a zeroed buffer of temporary_size bytes that holds the paths of temporary
+ * options (NULL: all 0). temporary is a zeroed buffer of the caller that holds the paths of temporary
  * files while they exist, for a signal handler that removes them. Each path ends with '\0', an empty
  * path ends the list. A folder comes before its content: remove paths from the last to the first. A
  * path that does not fit is not listed: give the length of path and 80 bytes for each written file.
@@ -387,8 +396,8 @@ PLANISH_API int planish_file_check_output(const planish_file *file, const char *
  * except if one of TetGen's files cannot be renamed: files that were already renamed stay; .node is
  * renamed last. */
 PLANISH_API int planish_file_write(const planish_file *file, const char *path,
-                                   const double *coordinates, int threads, char *temporary,
-                                   size_t temporary_size, planish_error *error);
+                                   const double *coordinates, const planish_write_options *options,
+                                   planish_error *error);
 
 /** Return the name of format i, from 0, to which meshes can be converted ("vtu", "gmsh", ...:
  *  docs/formats.md), or NULL after the last. */
@@ -401,29 +410,32 @@ PLANISH_API const char *planish_file_target_of(const char *path);
  *  For the file's own format use planish_file_can_write. */
 PLANISH_API int planish_file_can_convert(const planish_file *file, const char *path);
 
-/** Data that a converted file gets besides the mesh. Only VTK's formats get values of elements, under
- *  the names of these fields. Each array may be NULL. */
-typedef struct planish_view_data {
+/** How a file is converted, and the data that the new file gets besides the mesh. Only VTK's formats get
+ *  values of elements, under the names of these fields. Each array may be NULL. */
+typedef struct planish_convert_options {
+    const char *format; /* a name of planish_file_target; NULL: by the extension of path */
+    /* [n_nodes] of planish_constraint: VTK's formats get the array `fixed`, Medit's format the required
+       vertices. */
+    const uint8_t *constraint;
     const double *radius_ratio; /* [n_elements of planish_file_mesh] planish_measure_elements; only
                                    for triangles or tetrahedra */
     planish_cell_values cells;  /* [n_elements] planish_measure_cells; `state` is
                                    called `cell_state` */
-    const char *format;         /* a name of planish_file_target; NULL: by the extension of path */
-    const void *reserved[3];    /* NULL */
-} planish_view_data;
+    char *temporary;            /* as for planish_file_write */
+    size_t temporary_size;      /* bytes of temporary */
+    char *lost;                 /* filled with a list, in words, of the parts that are left out */
+    size_t lost_size;           /* bytes of lost; a longer list is cut */
+    const void *reserved[4];    /* NULL */
+} planish_convert_options;
 
 /** Convert the file, at coordinates [n_nodes][dim], to another format and write it to path: nodes and
  *  elements with their numbers, regions, groups, and arrays of numbers of nodes and elements
- *  (planish_file_data), as far as that format can hold them (docs/formats.md). VTK's formats also get the
- *  array `fixed` from constraint [n_nodes] (may be NULL), and the values of data (may be NULL).
- *  temporary: as for planish_file_write. Fill lost [lost_size] (may be NULL) with a list, in words, of
- *  the parts that are left out. Errors: _FILE, _MEMORY, _ARGUMENT (an unknown format; a format that can
- *  hold nothing of the mesh); nothing is left behind then. */
+ *  (planish_file_data), as far as that format can hold them (docs/formats.md). options (NULL: all 0).
+ *  Errors: _FILE, _MEMORY, _ARGUMENT (an unknown format; a format that can hold nothing of the mesh);
+ *  nothing is left behind then, and lost is as before. */
 PLANISH_API int planish_file_convert(planish_file *file, const char *path,
-                                     const double *coordinates, const uint8_t *constraint,
-                                     const planish_view_data *data, char *temporary,
-                                     size_t temporary_size, char *lost, size_t lost_size,
-                                     planish_error *error);
+                                     const double *coordinates,
+                                     const planish_convert_options *options, planish_error *error);
 
 #ifdef __cplusplus
 }

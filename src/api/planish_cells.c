@@ -297,6 +297,8 @@ int planish_measure_cells(const planish_mesh *mesh, double rounding, int threads
 int planish_measure_layers(const planish_mesh *mesh, int threads, planish_layer_heights *heights,
                            double *off, planish_error *error) {
     cells_call c = {.cells = {.n = 0}};
+    if (heights)
+        *heights = (planish_layer_heights){.n_rows = 0};
     if (!mesh || !mesh->is_layer || !heights)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "mesh, mesh.is_layer and heights must not be NULL");

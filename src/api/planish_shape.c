@@ -145,7 +145,7 @@ int planish_find_layers(const planish_mesh *mesh, int threads, uint8_t *is_layer
 
 /* ---- regions ------------------------------------------------------------------------------ */
 
-int planish_region_name(const char *name) {
+int planish_rank_region_name(const char *name) {
     return pl_region_name(name);
 }
 
@@ -487,7 +487,7 @@ static int measure_shape(const planish_shape *shape, const pl_points *points, in
     return status;
 }
 
-int planish_measure_shape(const planish_shape *shape, const planish_mesh *mesh, int threads,
+int planish_shape_measure(const planish_shape *shape, const planish_mesh *mesh, int threads,
                           planish_shape_distance *distance, planish_error *error) {
     if (!shape || !distance)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "shape and distance must not be NULL");

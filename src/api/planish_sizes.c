@@ -94,7 +94,7 @@ static double fit(sizes_call *c) {
 /** Measure all cells. */
 static void measure(const sizes_call *c, planish_size_quality *q, double *ratios) {
     double sum = 0;
-    q->least = INFINITY;
+    q->min = INFINITY;
     q->smallest = q->largest = -1;
     for (int64_t i = 0; i < count_cells(c); i++) {
         const double ratio = ratio_of(c, i);
@@ -105,17 +105,17 @@ static void measure(const sizes_call *c, planish_size_quality *q, double *ratios
             continue;
         q->n_elements++;
         sum += log(ratio) * log(ratio);
-        if (ratio < q->least) {
-            q->least = ratio;
+        if (ratio < q->min) {
+            q->min = ratio;
             q->smallest = number;
         }
-        if (ratio > q->most) {
-            q->most = ratio;
+        if (ratio > q->max) {
+            q->max = ratio;
             q->largest = number;
         }
     }
     q->rms_log = q->n_elements > 0 ? sqrt(sum / (double)q->n_elements) : 0;
-    q->least = q->n_elements > 0 ? q->least : 0;
+    q->min = q->n_elements > 0 ? q->min : 0;
 }
 
 int planish_measure_sizes(const planish_mesh *mesh, int threads, planish_size_quality *quality,

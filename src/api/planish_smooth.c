@@ -44,6 +44,7 @@ int planish_smooth(planish_plan *plan, double *coordinates, const planish_option
     if (!plan || !coordinates)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "plan and coordinates must not be NULL");
     planish_options_init(&defaults);
+    defaults.rounding = plan->rounding;
     const pl_outside outside = pl_call_enter(plan->context);
     pl_context_begin(plan->context);
     pl_run r = {.plan = plan,

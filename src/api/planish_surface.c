@@ -102,9 +102,12 @@ int planish_smooth_surface(const planish_mesh *mesh, double *coordinates,
                            const planish_options *options, planish_result *result,
                            planish_error *error) {
     planish_result found = {0};
-    if (!mesh || !coordinates || !options)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "mesh, coordinates and options must not be NULL");
+    if (!mesh || !coordinates)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "mesh and coordinates must not be NULL");
+    if (!options)
+        return pl_fail(
+            error, PLANISH_ERROR_ARGUMENT,
+            "options must not be NULL: options.shape is the surface that nodes move along");
     int status = pl_options_check(options, error);
     if (status)
         return status;

@@ -130,6 +130,7 @@ static int find_elements(const planish_plan *plan, const double *coordinates,
     if (!plan || !coordinates)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "plan and coordinates must not be NULL");
     planish_options_init(&defaults);
+    defaults.rounding = plan->rounding;
     const pl_outside outside = pl_call_enter(plan->context);
     volume_check c = {.plan = plan,
                       .options = options ? options : &defaults,

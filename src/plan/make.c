@@ -187,6 +187,7 @@ planish_plan *pl_plan_make(const planish_mesh *mesh, const planish_options *opti
     plan->kernel = pl_star_kernel_select(options->isa);
     plan->dim = mesh->dim;
     plan->shape = options->shape;
+    plan->rounding = options->rounding;
     plan->all = &plan->work;
     plan->work = plan->whole = (pl_view){.dim = mesh->dim,
                                          .n_nodes = mesh->n_nodes,

@@ -213,6 +213,10 @@ int pl_plan_check_call(const planish_plan *plan, const double *coordinates,
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "options.shape is not the one that the plan was made with; give the same "
                        "shape to planish_plan_create");
+    if (plan->cells.n > 0 && options->rounding != plan->rounding)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "options.rounding is %g, but the plan was made with %g; give both the same",
+                       options->rounding, plan->rounding);
     const pl_points points = pl_plan_all_points(plan, coordinates);
     return pl_points_check(&points, plan->threads, error);
 }

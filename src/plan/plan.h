@@ -134,6 +134,7 @@ struct planish_plan {
     pl_star_slide *slide;       /* [sliding.stars.n_stars] which; point is where a call starts */
     uint8_t *slides_by;         /* [sliding.stars.n_stars] planish_constraint of the caller */
     const planish_shape *shape; /* options.shape that it was made with, the caller's */
+    double rounding;            /* options.rounding that it was made with */
     pl_ghosts ghosts;           /* if other processes have parts of the mesh */
     pl_context *context;        /* entered by every call */
     pl_placement *placement;

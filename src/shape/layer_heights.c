@@ -60,8 +60,8 @@ static planish_layer_row measure_row(const row_search *s, int row) {
     if (found.n == 0)
         return found;
     qsort(s->ratio, (size_t)found.n, sizeof *s->ratio, compare);
-    found.least = s->ratio[0];
-    found.most = s->ratio[found.n - 1];
+    found.min = s->ratio[0];
+    found.max = s->ratio[found.n - 1];
     found.median = 0.5 * (s->ratio[(found.n - 1) / 2] + s->ratio[found.n / 2]);
     return found;
 }
@@ -151,7 +151,9 @@ int pl_layer_heights_find(const planish_mesh *mesh, const uint8_t *is_layer, con
     if (!status)
         status = height && s.row && s.ratio ? measure(&s, now, threads, height, found, error)
                                             : pl_fail_memory(error, "the heights of layers");
-    if (!status && off)
+    if (status)
+        *found = (planish_layer_heights){.n_rows = 0};
+    else if (off)
         find_off(&s, off);
     pl_free(height);
     pl_free(s.row);

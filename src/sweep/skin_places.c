@@ -16,8 +16,6 @@
 
 enum { CHUNK_FACETS = 256 };
 
-/* Tolerance in edges where options have none. */
-#define DEFAULT_TOLERANCE 0.05
 /* A patch is planar if its nodes are within so much of its tolerance, and of the size of the shape. */
 #define PLANAR_TOLERANCE 1e-3
 #define PLANAR_SIZE      1e-8
@@ -364,7 +362,7 @@ static void find_tolerances(pl_skin *skin, const planish_options *options) {
     const int is_length =
         options->surface_tolerance > 0 && options->surface_tolerance_unit == PLANISH_UNIT_MESH;
     const double factor =
-        options->surface_tolerance > 0 ? options->surface_tolerance : DEFAULT_TOLERANCE;
+        options->surface_tolerance > 0 ? options->surface_tolerance : PLANISH_SURFACE_TOLERANCE;
     for (int32_t t = 0; t < shape->n_facets; t++)
         skin->tolerance[t] =
             float_below(factor * (is_length ? shape->scale : pl_shape_edge(shape, t)));

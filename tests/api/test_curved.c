@@ -214,7 +214,7 @@ static planish_shape_distance measure(const trial *t) {
     planish_shape_distance d;
     planish_error error = {.text = ""};
     mesh.coordinates = t->x[0];
-    if (planish_measure_shape(t->shape, &mesh, 1, &d, &error))
+    if (planish_shape_measure(t->shape, &mesh, 1, &d, &error))
         check_that(t, 0, error.text);
     return d;
 }

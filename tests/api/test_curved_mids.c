@@ -505,7 +505,7 @@ static void check_distance(const trial *t, const double *x, double *worth) {
     planish_shape_distance d;
     planish_error error = {.text = ""};
     mesh.coordinates = x;
-    if (planish_measure_shape(s, &mesh, 1, &d, &error))
+    if (planish_shape_measure(s, &mesh, 1, &d, &error))
         check_that(t, 0, error.text);
     sheet_judge first = judge_create(t, t->body.x), now = judge_create(t, x);
     const double slack = fmax(slack_of(t, x), slack_of(t, t->body.x)) + 2e-7 * s->size;

@@ -202,6 +202,37 @@ static void curved_edges_hold_nodes_that_slide(void **state) {
         }
 }
 
+/** A call on a plan has the plan's rounding: without options by itself. */
+static void calls_have_the_rounding_of_the_plan(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        planish_options options = cell_pair_options();
+        test_mesh box = cell_pair_box(dim, 3, 0);
+        cell_pair p = cell_pair_of(&box, PAIR_ORDER_2);
+        planish_plan *plan;
+        planish_error error;
+        int64_t n = -1;
+        options.rounding = 0.1;
+        cell_pair_fasten(&p);
+        assert_int_equal(planish_plan_create(&p.mesh, &options, &plan, NULL), 0);
+        options.rounding = 0.2;
+        assert_int_equal(planish_smooth(plan, p.x, &options, NULL, &error), PLANISH_ERROR_ARGUMENT);
+        assert_non_null(
+            strstr(error.text, "options.rounding is 0.2, but the plan was made with 0.1"));
+        assert_int_equal(planish_find_infeasible(plan, p.x, &options, NULL, &n, NULL, &error),
+                         PLANISH_ERROR_ARGUMENT);
+        assert_int_equal(n, -1);
+        options.rounding = 0.1;
+        assert_int_equal(planish_smooth(plan, p.x, &options, NULL, NULL), 0);
+        assert_int_equal(planish_smooth(plan, p.x, NULL, NULL, NULL), 0);
+        assert_int_equal(planish_find_infeasible(plan, p.x, NULL, NULL, &n, NULL, NULL), 0);
+        assert_int_equal(n, 0);
+        planish_plan_destroy(plan);
+        cell_pair_release(&p);
+        test_mesh_destroy(&box);
+    }
+}
+
 /** The constraints of planish_find_slides, in out [n_nodes]. */
 static void find_constraints(const cell_pair *p, double tolerance, uint8_t *out) {
     const planish_surface surface = {.tolerance = tolerance};
@@ -323,6 +354,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(cells_hold_nodes),
         cmocka_unit_test(curved_edges_hold_nodes_that_slide),
+        cmocka_unit_test(calls_have_the_rounding_of_the_plan),
         cmocka_unit_test(curved_surfaces_are_no_planes),
         cmocka_unit_test(given_constraints_stay),
         cmocka_unit_test(nodes_alone_make_no_simplex),

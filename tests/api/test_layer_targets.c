@@ -343,9 +343,9 @@ static planish_layer_heights heights_of(const layers *l, const double *before) {
 static void expect_row(const planish_layer_row *row, int64_t n, double least, double median,
                        double most) {
     assert_int_equal(row->n, n);
-    assert_true(fabs(row->least - least) < 1e-9);
+    assert_true(fabs(row->min - least) < 1e-9);
     assert_true(fabs(row->median - median) < 1e-9);
-    assert_true(fabs(row->most - most) < 1e-9);
+    assert_true(fabs(row->max - most) < 1e-9);
 }
 
 /* Rows are stretched by 1 %, 2 %, ... */
@@ -393,8 +393,8 @@ static void heights_are_measured_at_any_scale(void **state) {
             const double ratio = scales[i][1] / scales[i][0];
             assert_int_equal(heights.n_rows, N);
             assert_int_equal(heights.all.n, heights.reference.n);
-            assert_true(fabs(heights.all.least / ratio - 1) < 1e-9);
-            assert_true(fabs(heights.all.most / ratio - 1) < 1e-9);
+            assert_true(fabs(heights.all.min / ratio - 1) < 1e-9);
+            assert_true(fabs(heights.all.max / ratio - 1) < 1e-9);
             free(before);
             forget(&l);
         }
@@ -412,8 +412,8 @@ static void heights_are_measured_under_moved_walls(void **state) {
             memcpy(l.x, l.box->x, (size_t)(l.mesh.n_nodes * l.mesh.dim) * sizeof *moved);
             const planish_layer_heights heights = heights_of(&l, moved);
             assert_true(heights.n_told > N / 2);
-            assert_true(away ? heights.reference.most > 3 : heights.reference.least < -1);
-            assert_true(fabs(heights.all.least - 1) < 0.02 && fabs(heights.all.most - 1) < 0.02);
+            assert_true(away ? heights.reference.max > 3 : heights.reference.min < -1);
+            assert_true(fabs(heights.all.min - 1) < 0.02 && fabs(heights.all.max - 1) < 0.02);
             free(moved);
             forget(&l);
         }
@@ -433,7 +433,7 @@ static void cancelled_heights_are_not_wanted(void **state) {
             l.box->x[3 * (N + 1) * (N + 1) + axis] += (0.07 + 0.003 * k) * (axis + 7);
         const planish_layer_heights heights = heights_of(&l, l.box->x);
         assert_true(heights.all.n >= 4 * N - 2);
-        assert_true(heights.all.most < 10);
+        assert_true(heights.all.max < 10);
         forget(&l);
     }
 }
@@ -468,21 +468,33 @@ static void heights_of_one_turned_row_are_not_told(void **state) {
     }
 }
 
+/** Expect a refusal of planish_measure_layers: heights become 0, and off stays. */
+static void expect_no_heights(const planish_mesh *mesh, int threads, int status,
+                              planish_error *error) {
+    static const planish_layer_heights none = {.n_rows = 0};
+    planish_layer_heights heights;
+    double *off = calloc((size_t)mesh->n_nodes, sizeof *off);
+    assert_non_null(off);
+    memset(&heights, 1, sizeof heights);
+    off[0] = off[mesh->n_nodes - 1] = 7;
+    assert_int_equal(planish_measure_layers(mesh, threads, &heights, off, error), status);
+    assert_memory_equal(&heights, &none, sizeof none);
+    assert_true(off[0] == 7 && off[mesh->n_nodes - 1] == 7);
+    free(off);
+}
+
 static void heights_need_marks(void **state) {
     (void)state;
     layers l = make_layers(BOX_QUADRILATERALS);
     planish_layer_heights heights;
     planish_error error;
-    assert_int_equal(
-        planish_measure_layers(&l.mesh, PLANISH_LAYER_ROWS * 1000, &heights, NULL, &error),
-        PLANISH_ERROR_ARGUMENT);
+    expect_no_heights(&l.mesh, PLANISH_LAYER_ROWS * 1000, PLANISH_ERROR_ARGUMENT, &error);
     memset(l.is_layer, 0, (size_t)l.mesh.n_elements);
     assert_int_equal(planish_measure_layers(&l.mesh, 1, &heights, NULL, &error), 0);
     assert_int_equal(heights.all.n, 0);
     assert_int_equal(heights.n_rows, 0);
     l.mesh.is_layer = NULL;
-    assert_int_equal(planish_measure_layers(&l.mesh, 1, &heights, NULL, &error),
-                     PLANISH_ERROR_ARGUMENT);
+    expect_no_heights(&l.mesh, 1, PLANISH_ERROR_ARGUMENT, &error);
     assert_non_null(strstr(error.text, "is_layer"));
     forget(&l);
 }
@@ -492,7 +504,6 @@ static void a_reference_that_is_not_finite_is_refused(void **state) {
     (void)state;
     for (int k = 0; k < N_KINDS; k++) {
         layers l = make_layers(kinds[k]);
-        planish_layer_heights heights;
         planish_cell_quality quality;
         planish_error error;
         double *reference = test_copy_of(&l.mesh);
@@ -500,8 +511,7 @@ static void a_reference_that_is_not_finite_is_refused(void **state) {
         const planish_options options = test_options(1);
         reference[node * l.mesh.dim + 1] = k % 2 ? NAN : -INFINITY;
         l.mesh.reference = reference;
-        assert_int_equal(planish_measure_layers(&l.mesh, 1, &heights, NULL, &error),
-                         PLANISH_ERROR_MESH);
+        expect_no_heights(&l.mesh, 1, PLANISH_ERROR_MESH, &error);
         assert_int_equal(error.node, node);
         assert_int_equal(planish_measure_cells(&l.mesh, 0, 1, &quality, NULL, &error),
                          PLANISH_ERROR_MESH);

@@ -492,6 +492,11 @@ static void test_not_finite(void **state) {
     info.n_nodes = -1;
     assert_int_equal(planish_fit_move(f, &t.b.mesh, x, NULL, &info, &error), PLANISH_ERROR_MESH);
     assert_int_equal(error.node, 1);
+    planish_options options = test_options(1);
+    options.max_sweeps = -1;
+    assert_int_equal(planish_fit_move(f, &t.b.mesh, x, &options, &info, &error),
+                     PLANISH_ERROR_ARGUMENT);
+    assert_non_null(strstr(error.text, "options.max_sweeps is -1; give 0 or more"));
     assert_int_equal(info.n_nodes, -1);
     assert_memory_equal(x, given, test_bytes_of(&t.b.mesh));
     free(x);

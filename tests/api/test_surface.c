@@ -178,13 +178,13 @@ static planish_result smooth(patchwork *p) {
     assert_true(after.angle >= before.angle * (1 - 1e-9));
     assert_true(r.objective <= r.objective_before);
     assert_int_equal(r.n_inverted, 0);
-    assert_int_equal(planish_measure_shape(p->shape, &p->mesh, 1, &d, NULL), 0);
+    assert_int_equal(planish_shape_measure(p->shape, &p->mesh, 1, &d, NULL), 0);
     assert_int_equal(
         planish_measure_surface(p->shape, &p->mesh, 1, &quality, NULL, NULL, NULL, NULL), 0);
     assert_true(fabs(quality.rms_radius_ratio / r.rms - 1) < 1e-9);
     assert_true(fabs(quality.rms_radius_ratio_movable - r.rms_movable) <= 1e-9 * r.rms_movable);
     assert_int_equal(d.n_unproved, 0);
-    assert_true(d.in_edges <= 0.05 * (1 + 1e-6));
+    assert_true(d.in_edges <= PLANISH_SURFACE_TOLERANCE * (1 + 1e-6));
     assert_true(d.max_bend <= fmax(40.001, d.max_bend_before * (1 + 1e-9)));
     return r;
 }
@@ -572,6 +572,7 @@ static void test_refusals(void **unused) {
     static patchwork p, other;
     (void)unused;
     make(&p, TORUS, 0, 0.5);
+    refuse(&p, &p.mesh, NULL, "options.shape is the surface");
     planish_options o = p.options;
     o.shape = NULL;
     refuse(&p, &p.mesh, &o, "planish_shape_create");

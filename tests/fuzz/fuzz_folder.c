@@ -56,13 +56,14 @@ static void check_written(const planish_file *file, const char *name, const char
     const planish_mesh mesh = planish_file_mesh(file);
     fuzz_path(folder, "-out");
     remove_folder(folder);
-    if (planish_file_write(file, folder, mesh.coordinates, 1, NULL, 0, &error))
+    if (planish_file_write(file, folder, mesh.coordinates, &(planish_write_options){.threads = 1},
+                           &error))
         fuzz_require(0, error.text);
     fuzz_require(fuzz_same_bytes(join(path, folder, name), points, size),
                  "unchanged coordinates give the same bytes");
     remove_folder(folder);
     double *moved = fuzz_move(file);
-    if (planish_file_write(file, folder, moved, 1, NULL, 0, &error))
+    if (planish_file_write(file, folder, moved, &(planish_write_options){.threads = 1}, &error))
         fuzz_require(0, error.text);
     if (planish_file_open(folder, NULL, 1, &again, &error))
         fuzz_require(fuzz_has_noise(file), error.text);

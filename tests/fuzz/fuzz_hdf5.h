@@ -13,7 +13,7 @@
  * allocated, and follows lists that have no end. These are not reported here, so that what is, is
  * planish's. Where it crashes, or takes memory again and again, the fuzzing ends with status 0, and
  * the input is left as hdf5-crash-PID in the folder that PLANISH_FUZZ_CRASHES names, if it does:
- * planish_file_open_isolated is for such files.
+ * planish_open_options.isolated is for such files.
  */
 #ifndef FUZZ_HDF5_H
 #define FUZZ_HDF5_H

@@ -183,8 +183,8 @@ static inline double *fuzz_move(const planish_file *file) {
 static inline void fuzz_check_same(const planish_file *file, const char *path, const void *input,
                                    size_t size, int may_refuse) {
     planish_error error = {.code = 0};
-    const int status =
-        planish_file_write(file, path, planish_file_mesh(file).coordinates, 1, NULL, 0, &error);
+    const int status = planish_file_write(file, path, planish_file_mesh(file).coordinates,
+                                          &(planish_write_options){.threads = 1}, &error);
     if (status)
         fuzz_require(may_refuse && error.code == status, error.text);
     else
@@ -260,7 +260,7 @@ static inline void fuzz_check_moved(const planish_file *file, const char *path) 
     planish_file *again;
     planish_error error;
     double *moved = fuzz_move(file);
-    if (planish_file_write(file, path, moved, 1, NULL, 0, &error))
+    if (planish_file_write(file, path, moved, &(planish_write_options){.threads = 1}, &error))
         fuzz_require(0, error.text);
     if (planish_file_open(path, file->format->name, 1, &again, &error)) {
         fuzz_require(fuzz_has_noise(file), error.text);
@@ -337,14 +337,13 @@ static inline void fuzz_check_target(planish_file *file) {
         {"stl", ".stl"},    {"obj", ".obj"},     {"ply", ".ply"}};
     const planish_mesh mesh = planish_file_mesh(file);
     const int t = (int)(file->model.input.size % N), is_surface = t >= SURFACES;
-    const planish_view_data data = {.format = targets[t][0]};
+    const planish_convert_options data = {.format = targets[t][0]};
     char path[FUZZ_PATH_SIZE];
     planish_cells all, copied;
     planish_file *again = NULL;
     planish_error error;
     fuzz_path(path, targets[t][1]);
-    const int status =
-        planish_file_convert(file, path, mesh.coordinates, NULL, &data, NULL, 0, NULL, 0, &error);
+    const int status = planish_file_convert(file, path, mesh.coordinates, &data, &error);
     if (status && is_surface && strstr(error.text, "has no triangles or quadrilaterals"))
         return;
     fuzz_require(status == 0, error.text);
@@ -374,9 +373,12 @@ static inline void fuzz_check_converted(planish_file *file) {
     fuzz_require(constraint && ratio, "memory");
     fuzz_path(path, to_legacy ? ".vtk" : ".vtu");
     if (planish_file_constraints(file, NULL, constraint, &error) ||
-        planish_file_convert(file, path, mesh.coordinates, constraint,
-                             &(planish_view_data){.radius_ratio = ratio}, NULL, 0, lost,
-                             sizeof lost, &error))
+        planish_file_convert(file, path, mesh.coordinates,
+                             &(planish_convert_options){.constraint = constraint,
+                                                        .radius_ratio = ratio,
+                                                        .lost = lost,
+                                                        .lost_size = sizeof lost},
+                             &error))
         fuzz_require(0, error.text);
     fuzz_require(strlen(lost) < sizeof lost, "what is lost is a text");
     const int status = planish_file_open(path, NULL, 1, &again, &error);
@@ -423,7 +425,7 @@ static inline int fuzz_reader(const io_format *format, const uint8_t *data, size
         fuzz_check_moved(file, path);
     } else {
         double *moved = fuzz_move(file);
-        planish_file_write(file, path, moved, 1, NULL, 0, &error);
+        planish_file_write(file, path, moved, &(planish_write_options){.threads = 1}, &error);
         free(moved);
     }
     unlink(path);

@@ -39,21 +39,29 @@ static void reserved_fields_are_refused(void **state) {
     char path[TEST_PATH_SIZE];
     planish_open_options how = {.threads = 1};
     planish_hold hold = {.n_tags = 0};
-    planish_view_data data = {.format = "vtu"};
+    planish_convert_options conversion = {.format = "vtu"};
+    planish_write_options writing = {.threads = 1};
     planish_file *file;
     planish_error error;
     assert_true(test_data_path(path, &(test_data_file){"medit.mesh", "medit", 1}));
     assert_int_equal(planish_file_open_with(path, &how, &file, NULL), 0);
+    const double *x = planish_file_coordinates(file);
     uint8_t *flag = malloc((size_t)planish_file_mesh(file).n_nodes);
     assert_int_equal(planish_file_constraints(file, &hold, flag, NULL), 0);
     assert_int_equal(planish_file_get_held(file, &hold, flag, NULL), 0);
     SPOIL_RESERVED(&hold);
-    SPOIL_RESERVED(&data);
+    SPOIL_RESERVED(&conversion);
+    SPOIL_RESERVED(&writing);
     expect_refusal(planish_file_constraints(file, &hold, flag, &error), &error, "planish_hold");
     expect_refusal(planish_file_get_held(file, &hold, flag, &error), &error, "planish_hold");
-    expect_refusal(planish_file_convert(file, "nowhere.vtu", planish_file_coordinates(file), NULL,
-                                        &data, NULL, 0, NULL, 0, &error),
-                   &error, "planish_view_data");
+    expect_refusal(planish_file_convert(file, "nowhere.vtu", x, &conversion, &error), &error,
+                   "planish_convert_options");
+    expect_refusal(planish_file_write(file, "nowhere.mesh", x, &writing, &error), &error,
+                   "planish_write_options");
+    conversion = (planish_convert_options){.format = "vtu"};
+    SPOIL_RESERVED(&conversion.cells);
+    expect_refusal(planish_file_convert(file, "nowhere.vtu", x, &conversion, &error), &error,
+                   "planish_cell_values");
     planish_file_close(file);
     free(flag);
     SPOIL_RESERVED(&how);
@@ -61,10 +69,17 @@ static void reserved_fields_are_refused(void **state) {
                    "planish_open_options");
 }
 
+static void the_version_is_that_of_both_libraries(void **state) {
+    (void)state;
+    assert_string_equal(planish_io_version(), PLANISH_VERSION);
+    assert_string_equal(planish_io_version(), planish_version());
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_file_is_null),
         cmocka_unit_test(reserved_fields_are_refused),
+        cmocka_unit_test(the_version_is_that_of_both_libraries),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -43,12 +43,16 @@ static uint64_t read_and_write(const char *folder, int threads) {
     memcpy(copy, x, sizeof copy);
     for (int i = 0; i < NODES; i++) /* others, without arithmetic of the caller's */
         copy[i] = x[2 * NODES - 1 - i];
-    status = planish_file_write(file, test_path(out, folder, "out.mesh"), copy, threads, temporary,
-                                sizeof temporary, NULL);
+    status = planish_file_write(file, test_path(out, folder, "out.mesh"), copy,
+                                &(planish_write_options){.threads = threads,
+                                                         .temporary = temporary,
+                                                         .temporary_size = sizeof temporary},
+                                NULL);
     assert_int_equal(status, 0);
     memset(copy, 0xff, sizeof *copy); /* not a number: refused, whatever that traps outside */
-    assert_int_equal(planish_file_write(file, out, copy, threads, NULL, 0, NULL),
-                     PLANISH_ERROR_ARGUMENT);
+    assert_int_equal(
+        planish_file_write(file, out, copy, &(planish_write_options){.threads = threads}, NULL),
+        PLANISH_ERROR_ARGUMENT);
     planish_file_close(file);
     return sum;
 }

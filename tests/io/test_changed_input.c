@@ -157,8 +157,11 @@ static int write_moved(const use *u, planish_file *file, const planish_mesh *mes
         x[i] += 1e-3;
     snprintf(name, sizeof name, "out%s", strrchr(u->path, '.'));
     test_path(path, u->folder, name);
-    const int status =
-        planish_file_write(file, path, x, u->threads, temporary, sizeof temporary, &error);
+    const int status = planish_file_write(
+        file, path, x,
+        &(planish_write_options){
+            .threads = u->threads, .temporary = temporary, .temporary_size = sizeof temporary},
+        &error);
     assert_string_equal(temporary, "");
     assert_int_equal(access(path, F_OK) == 0, status == 0);
     unlink(path);
@@ -168,9 +171,12 @@ static int write_moved(const use *u, planish_file *file, const planish_mesh *mes
 static void open_once(use *u, int64_t i) {
     planish_file *file = NULL;
     planish_error error;
-    const int status = u->is_hdf5
-                           ? planish_file_open_isolated(u->path, NULL, u->threads, &file, &error)
-                           : io_file_open(u->path, u->threads, u->largest_copy, &file, &error);
+    const int status =
+        u->is_hdf5
+            ? planish_file_open_with(u->path,
+                                     &(planish_open_options){.threads = u->threads, .isolated = 1},
+                                     &file, &error)
+            : io_file_open(u->path, u->threads, u->largest_copy, &file, &error);
     if (status) {
         assert_null(file);
         assert_true(strlen(error.text) > 0);
@@ -256,7 +262,8 @@ static void every_format(void **state) {
     int n = 0;
     for (const test_data_file *data = test_data_files; data->name; data++) {
         char path[TEST_PATH_SIZE];
-        if (strcmp(data->format, "tetgen") == 0 || test_data_is_folder(data) || n++ % step != 0 || !test_data_path(path, data))
+        if (strcmp(data->format, "tetgen") == 0 || test_data_is_folder(data) || n++ % step != 0 ||
+            !test_data_path(path, data))
             continue; /* tetgen, below, and folders have several files */
         copy_data(data->name, *state);
         try_file(data->name, *state, 1, n_opens);
@@ -323,9 +330,9 @@ static void shorter_file_is_named(void **state) {
         free(test_read(path, &size));
         assert_int_equal(truncate(path, (off_t)size / 2), 0);
         test_path(out, *state, i / 2 ? "out.vtk" : "out.mesh");
-        assert_int_equal(
-            planish_file_write(file, out, planish_file_coordinates(file), 1, NULL, 0, &error),
-            PLANISH_ERROR_FILE);
+        assert_int_equal(planish_file_write(file, out, planish_file_coordinates(file),
+                                            &(planish_write_options){.threads = 1}, &error),
+                         PLANISH_ERROR_FILE);
         assert_non_null(strstr(error.text, path));
         assert_non_null(strstr(error.text, "became shorter"));
         assert_int_equal(test_count_files(*state), 1);

@@ -177,12 +177,14 @@ static void other_formats_need_no_child(void **state) {
     planish_file *file;
     char path[TEST_PATH_SIZE];
     (void)state;
-    assert_int_equal(
-        planish_file_open_isolated(test_path_from(path, "PLANISH_TEST_DATA", "medit.mesh"), NULL, 1,
-                                   &file, NULL),
-        PLANISH_OK);
+    assert_int_equal(planish_file_open_with(test_path_from(path, "PLANISH_TEST_DATA", "medit.mesh"),
+                                            &(planish_open_options){.threads = 1, .isolated = 1},
+                                            &file, NULL),
+                     PLANISH_OK);
     planish_file_close(file);
-    assert_int_equal(planish_file_open_isolated("nowhere", NULL, 1, &file, NULL),
+    assert_int_equal(planish_file_open_with("nowhere",
+                                            &(planish_open_options){.threads = 1, .isolated = 1},
+                                            &file, NULL),
                      PLANISH_ERROR_FILE);
 }
 
@@ -197,8 +199,12 @@ static void what_the_library_crashes_on_is_refused(void **state) {
     (void)state;
     test_path_from(path, "PLANISH_TEST_DATA", "damaged.med");
     for (int named = 0; named < 2; named++) {
-        assert_int_equal(planish_file_open_isolated(path, named ? "med" : NULL, 1, &file, &error),
-                         PLANISH_ERROR_FORMAT);
+        assert_int_equal(
+            planish_file_open_with(path,
+                                   &(planish_open_options){
+                                       .format = named ? "med" : NULL, .threads = 1, .isolated = 1},
+                                   &file, &error),
+            PLANISH_ERROR_FORMAT);
         assert_non_null(strstr(error.text, "damaged.med: "));
         assert_null(file);
     }
@@ -215,7 +221,8 @@ static void what_the_library_never_ends_on_is_refused(void **state) {
     if (!memory_is_limited())
         skip();
     test_path_from(path, "PLANISH_TEST_DATA", "damaged_endless.med");
-    assert_true(planish_file_open_isolated(path, NULL, 1, &file, &error) < 0);
+    assert_true(planish_file_open_with(path, &(planish_open_options){.threads = 1, .isolated = 1},
+                                       &file, &error) < 0);
     assert_non_null(strstr(error.text, "damaged_endless.med: "));
     assert_null(file);
     none_is_left();
@@ -250,7 +257,8 @@ static planish_file *open_isolated(const char *folder, const char *name) {
     planish_file *file;
     planish_error error;
     char path[TEST_PATH_SIZE];
-    if (planish_file_open_isolated(test_path(path, folder, name), NULL, 2, &file, &error))
+    if (planish_file_open_with(test_path(path, folder, name),
+                               &(planish_open_options){.threads = 2, .isolated = 1}, &file, &error))
         fail_msg("%s", error.text);
     return file;
 }
@@ -262,14 +270,15 @@ static void packed_coordinates_are_changed(void **state) {
     planish_file *file = open_isolated(*state, "in.vtkhdf");
     planish_file_coordinates(file)[12] = 1.25;
     if (planish_file_write(file, test_path(path, *state, "out.vtkhdf"),
-                           planish_file_coordinates(file), 2, NULL, 0, &error))
+                           planish_file_coordinates(file), &(planish_write_options){.threads = 2},
+                           &error))
         fail_msg("%s", error.text);
     planish_file *again = open_isolated(*state, "out.vtkhdf");
     assert_memory_equal(planish_file_coordinates(again), planish_file_coordinates(file),
                         3 * N * sizeof(double));
-    assert_int_equal(
-        planish_file_write(file, "/dev/null", planish_file_coordinates(file), 2, NULL, 0, &error),
-        PLANISH_ERROR_FILE);
+    assert_int_equal(planish_file_write(file, "/dev/null", planish_file_coordinates(file),
+                                        &(planish_write_options){.threads = 2}, &error),
+                     PLANISH_ERROR_FILE);
     assert_non_null(strstr(error.text, "cannot be written to a pipe"));
     planish_file_close(again);
     planish_file_close(file);

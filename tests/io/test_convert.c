@@ -526,14 +526,13 @@ static void wrong_targets_are_refused(void **state) {
     planish_file *file = converting_open(data);
     const double *x = planish_file_mesh(file).coordinates;
     const int before = test_count_files(*state);
-    const planish_view_data wrong = {.format = "vrml"};
-    assert_int_equal(planish_file_convert(file, test_path(path, *state, "a.vtk"), x, NULL, &wrong,
-                                          NULL, 0, NULL, 0, &error),
-                     PLANISH_ERROR_ARGUMENT);
+    const planish_convert_options wrong = {.format = "vrml"};
+    assert_int_equal(
+        planish_file_convert(file, test_path(path, *state, "a.vtk"), x, &wrong, &error),
+        PLANISH_ERROR_ARGUMENT);
     assert_non_null(
         strstr(error.text, "planish cannot convert to the format 'vrml'; it converts to"));
-    assert_int_equal(planish_file_convert(file, test_path(path, *state, "a.xyz"), x, NULL, NULL,
-                                          NULL, 0, NULL, 0, &error),
+    assert_int_equal(planish_file_convert(file, test_path(path, *state, "a.xyz"), x, NULL, &error),
                      PLANISH_ERROR_ARGUMENT);
     assert_non_null(strstr(error.text, "the extension is of no format"));
     /* TetGen's file has faces; one of solids alone has no surface. */
@@ -542,8 +541,7 @@ static void wrong_targets_are_refused(void **state) {
                      "0 1 0\nTetrahedra\n1\n1 2 3 4 0\nEnd\n");
     planish_file *solid = converting_open_built(*state, "solid.mesh", &b);
     assert_int_equal(planish_file_convert(solid, test_path(path, *state, "a.stl"),
-                                          planish_file_mesh(solid).coordinates, NULL, NULL, NULL, 0,
-                                          NULL, 0, &error),
+                                          planish_file_mesh(solid).coordinates, NULL, &error),
                      PLANISH_ERROR_ARGUMENT);
     assert_non_null(strstr(error.text, "has no triangles or quadrilaterals"));
     assert_int_equal(test_count_files(*state), before + 1);

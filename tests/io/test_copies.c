@@ -74,7 +74,8 @@ static void copies_move_together(void **state) {
     planish_file *file = reading_text(&io_format_gmsh, gmsh);
     planish_file_coordinates(file)[0] = .125;
     test_path(path, *state, "out.msh");
-    if (planish_file_write(file, path, planish_file_coordinates(file), 1, NULL, 0, &error))
+    if (planish_file_write(file, path, planish_file_coordinates(file),
+                           &(planish_write_options){.threads = 1}, &error))
         fail_msg("%s", error.text);
     char *written = test_read(path, NULL);
     assert_string_equal(written, expected);
@@ -145,7 +146,7 @@ static void check_binary(const file_builder *builder, const char *folder) {
     coordinates[0] = .25;
     coordinates[1] = .75;
     test_path(path, folder, "out.msh");
-    if (planish_file_write(file, path, coordinates, 1, NULL, 0, &error))
+    if (planish_file_write(file, path, coordinates, &(planish_write_options){.threads = 1}, &error))
         fail_msg("%s", error.text);
     planish_file_close(file);
     size_t size;

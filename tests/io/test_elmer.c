@@ -331,7 +331,7 @@ static int write_moved(const planish_file *file, const char *path, planish_error
     memcpy(x, mesh.coordinates, sizeof x);
     x[3] = 0.125; /* of the second node */
     x[14] = -1.0 / 3;
-    return planish_file_write(file, path, x, 1, NULL, 0, error);
+    return planish_file_write(file, path, x, &(planish_write_options){.threads = 1}, error);
 }
 
 static const char moved[] = "1 -1 0 0 0\n2 -1 0.125 0 0\n3 -1 0 1 0\n5 -1 0 0 1\n"
@@ -366,7 +366,8 @@ static void a_new_folder_has_all_files_of_the_mesh(void **state) {
     /* Unchanged, all bytes are the same; a separator at the end is no name. */
     assert_true(strlen(out) + 3 < sizeof out);
     strcat(out, "2/");
-    if (planish_file_write(file, out, planish_file_mesh(file).coordinates, 1, NULL, 0, &error))
+    if (planish_file_write(file, out, planish_file_mesh(file).coordinates,
+                           &(planish_write_options){.threads = 1}, &error))
         fail_msg("%s", error.text);
     expect_file(out, "mesh.nodes", nodes);
     planish_file_close(file);
@@ -416,9 +417,13 @@ static void a_changed_input_leaves_nothing(void **state) {
     planish_file *file = open_folder(&folder, 1);
     test_write(in, "mesh.elements", "changed", 7);
     const planish_mesh mesh = planish_file_mesh(file);
-    assert_int_equal(planish_file_write(file, test_path(out, *state, "out"), mesh.coordinates, 1,
-                                        temporary, sizeof temporary, &error),
-                     PLANISH_ERROR_FILE);
+    assert_int_equal(
+        planish_file_write(file, test_path(out, *state, "out"), mesh.coordinates,
+                           &(planish_write_options){.threads = 1,
+                                                    .temporary = temporary,
+                                                    .temporary_size = sizeof temporary},
+                           &error),
+        PLANISH_ERROR_FILE);
     assert_non_null(strstr(error.text, "mesh.elements"));
     assert_int_equal(test_count_files(*state), 1);
     assert_int_equal(temporary[0], 0);

@@ -135,9 +135,20 @@ static void write_to(faults *f, const case_of *c, planish_file *file, const doub
     const int is_own = planish_file_can_write(file, path);
     assert_true(is_own || planish_file_can_convert(file, path));
     do {
-        status = is_own ? planish_file_write(file, path, x, 1, temporary, sizeof temporary, &error)
-                        : planish_file_convert(file, path, x, NULL, NULL, temporary,
-                                               sizeof temporary, lost, sizeof lost, &error);
+        status =
+            is_own
+                ? planish_file_write(file, path, x,
+                                     &(planish_write_options){.threads = 1,
+                                                              .temporary = temporary,
+                                                              .temporary_size = sizeof temporary},
+                                     &error)
+                : planish_file_convert(
+                      file, path, x,
+                      &(planish_convert_options){.temporary = temporary,
+                                                 .temporary_size = sizeof temporary,
+                                                 .lost = lost,
+                                                 .lost_size = sizeof lost},
+                      &error);
         assert_true(temporary[0] == '\0');
         assert_true(!status || test_count_files(c->folder) == 0);
     } while (faults_refused(f, status, &error));

@@ -121,7 +121,7 @@ static void check_writing(const planish_file *file, const char *in, const char *
         double *x = malloc(3 * (size_t)mesh.n_nodes * sizeof *x);
         memcpy(x, mesh.coordinates, 3 * (size_t)mesh.n_nodes * sizeof *x);
         x[3 * 21 + 1] += is_moved ? 0.0625 : 0;
-        if (planish_file_write(file, out, x, 1, NULL, 0, &error))
+        if (planish_file_write(file, out, x, &(planish_write_options){.threads = 1}, &error))
             fail_msg("%s", error.text);
         assert_int_equal(test_count_files(out), 5);
         for (int i = 0; i < 5; i++) {
@@ -195,7 +195,8 @@ static void other_ways_to_write_lists(void **state) {
     double x[24];
     memcpy(x, planish_file_coordinates(file), sizeof x);
     x[2] = -0.25;
-    if (planish_file_write(file, test_path(out, *state, "out"), x, 1, NULL, 0, &error))
+    if (planish_file_write(file, test_path(out, *state, "out"), x,
+                           &(planish_write_options){.threads = 1}, &error))
         fail_msg("%s", error.text);
     char *text = test_read(test_path(path, out, "points"), NULL);
     assert_non_null(strstr(text, "( 0 0 // 7 )\n -0.25 )\n(1 0 0)"));
@@ -536,9 +537,9 @@ static void a_case_has_its_mesh(void **state) {
     test_write(test_folder_in(path, mesh, "sets"), "cells", "a set", 5);
     planish_file *file = open_at(*state, 1);
     test_path(out, *state, "out");
-    assert_int_equal(
-        planish_file_write(file, out, planish_file_coordinates(file), 1, NULL, 0, &error),
-        PLANISH_OK);
+    assert_int_equal(planish_file_write(file, out, planish_file_coordinates(file),
+                                        &(planish_write_options){.threads = 1}, &error),
+                     PLANISH_OK);
     struct stat about;
     assert_int_equal(stat(test_path(path, out, "constant/fluid/polyMesh/sets/cells"), &about), 0);
     assert_int_equal(stat(test_path(path, out, "constant/fluid/polyMesh/points"), &about), 0);

@@ -88,7 +88,8 @@ static void both_sides_are_written(void **state) {
         double *x = planish_file_coordinates(file);
         x[2 * 12] = 2.125;
         x[2 * 12 + 1] = 1.875;
-        if (planish_file_write(file, test_path(out, *state, "out"), x, 1, NULL, 0, &error))
+        if (planish_file_write(file, test_path(out, *state, "out"), x,
+                               &(planish_write_options){.threads = 1}, &error))
             fail_msg("%s", error.text);
         planish_file_close(file);
         cells->x[12][(axis + 1) % 3] = cells->x[37][(axis + 1) % 3] = 2.125;

@@ -49,7 +49,8 @@ static void abaqus_files_include_others(void **state) {
     assert_true(is_fixed_by(file, NULL, 3) && is_fixed_by(file, NULL, 4));
     /* The file is written as it was, and nothing else. */
     assert_int_equal(planish_file_write(file, test_path(again, folder, "out.inp"),
-                                        planish_file_coordinates(file), 1, NULL, 0, NULL),
+                                        planish_file_coordinates(file),
+                                        &(planish_write_options){.threads = 1}, NULL),
                      0);
     char *a = test_read(test_path(path, folder, "main.inp"), &n), *b = test_read(again, &m);
     assert_int_equal(n, m);

@@ -263,7 +263,8 @@ static void check_writing(const char *folder, const plex *p) {
     double *xyz = planish_file_coordinates(file);
     xyz[20] = -1.5;
     test_path(out, folder, "out.h5");
-    assert_int_equal(planish_file_write(file, out, xyz, 1, NULL, 0, &error), 0);
+    assert_int_equal(
+        planish_file_write(file, out, xyz, &(planish_write_options){.threads = 1}, &error), 0);
     assert_int_equal(planish_file_open(out, NULL, 1, &again, &error), 0);
     assert_memory_equal(planish_file_coordinates(again), xyz, sizeof plex_places);
     if (!p->is_packed) {

@@ -40,7 +40,11 @@ static void write_file(const planish_file *file, const char *path, const double 
                        int threads) {
     char temporary[TEST_PATH_SIZE] = "";
     planish_error error;
-    if (planish_file_write(file, path, coordinates, threads, temporary, sizeof temporary, &error))
+    if (planish_file_write(file, path, coordinates,
+                           &(planish_write_options){.threads = threads,
+                                                    .temporary = temporary,
+                                                    .temporary_size = sizeof temporary},
+                           &error))
         fail_msg("%s", error.text);
     assert_string_equal(temporary, "");
 }
@@ -350,9 +354,13 @@ static void open_files_are_written_on(void **state) {
 static void write_fails(void **state, const planish_file *file, const char *path, int files) {
     char temporary[TEST_PATH_SIZE] = "";
     planish_error error = {.code = 0};
-    assert_int_equal(planish_file_write(file, path, file->model.coordinates, 1, temporary,
-                                        sizeof temporary, &error),
-                     PLANISH_ERROR_FILE);
+    assert_int_equal(
+        planish_file_write(file, path, file->model.coordinates,
+                           &(planish_write_options){.threads = 1,
+                                                    .temporary = temporary,
+                                                    .temporary_size = sizeof temporary},
+                           &error),
+        PLANISH_ERROR_FILE);
     assert_int_equal(error.code, PLANISH_ERROR_FILE);
     assert_non_null(strstr(error.text, path));
     assert_string_equal(temporary, "");
@@ -385,7 +393,8 @@ static void what_cannot_be_meant_is_refused(void **state) {
         test_path(path, *state, names[i]);
         assert_int_equal(planish_file_can_write(file, path), 0);
         assert_int_equal(planish_file_check_output(file, path, &error), PLANISH_ERROR_ARGUMENT);
-        assert_int_equal(planish_file_write(file, path, coordinates, 1, NULL, 0, &error),
+        assert_int_equal(planish_file_write(file, path, coordinates,
+                                            &(planish_write_options){.threads = 1}, &error),
                          PLANISH_ERROR_ARGUMENT);
         assert_non_null(strstr(error.text, "extension of the input's format, medit (.mesh)"));
     }
@@ -393,7 +402,8 @@ static void what_cannot_be_meant_is_refused(void **state) {
     test_path(path, *state, "out.mesh");
     for (int i = 0; i < 2; i++) {
         coordinates[4] = i ? NAN : -INFINITY;
-        assert_int_equal(planish_file_write(file, path, coordinates, 1, NULL, 0, &error),
+        assert_int_equal(planish_file_write(file, path, coordinates,
+                                            &(planish_write_options){.threads = 1}, &error),
                          PLANISH_ERROR_ARGUMENT);
         assert_int_equal(error.node, 4 / planish_file_mesh(file).dim);
     }
@@ -448,10 +458,16 @@ static void short_buffers_stay_whole(void **state) {
         memset(temporary, 0, sizeof temporary);
         memset(temporary + size, '#', sizeof temporary - size);
         memset(lost, '#', sizeof lost);
-        if (planish_file_write(file, test_path(path, *state, "out.mesh"), x, 1, temporary, size,
+        if (planish_file_write(file, test_path(path, *state, "out.mesh"), x,
+                               &(planish_write_options){
+                                   .threads = 1, .temporary = temporary, .temporary_size = size},
                                &error) ||
-            planish_file_convert(file, test_path(path, *state, "out.vtk"), x, NULL, NULL, temporary,
-                                 size, lost, size, &error))
+            planish_file_convert(file, test_path(path, *state, "out.vtk"), x,
+                                 &(planish_convert_options){.temporary = temporary,
+                                                            .temporary_size = size,
+                                                            .lost = lost,
+                                                            .lost_size = size},
+                                 &error))
             fail_msg("%s", error.text);
         for (size_t i = size; i < sizeof lost; i++)
             assert_true(temporary[i] == '#' && lost[i] == '#');
@@ -505,7 +521,8 @@ static void a_changed_input_is_refused(void **state) {
             assert_int_equal(utimensat(AT_FDCWD, in, long_ago, 0), 0);
         }
         test_write(*state, "out.mesh", "before", 6);
-        assert_int_equal(planish_file_write(file, out, coordinates, 1, NULL, 0, &error),
+        assert_int_equal(planish_file_write(file, out, coordinates,
+                                            &(planish_write_options){.threads = 1}, &error),
                          PLANISH_ERROR_FILE);
         assert_non_null(strstr(error.text, "in.mesh: was changed"));
         check_content(out, "before");

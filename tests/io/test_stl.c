@@ -203,7 +203,8 @@ static void normals_are_unit_vectors_in_space(void **state) {
         planish_file_open(test_path(path, *state, "tilted.stl"), NULL, 1, &file, &error), 0);
     double *x = planish_file_coordinates(file);
     x[2 * 3] += 0.5; /* the last point: of the second facet alone */
-    assert_int_equal(planish_file_write(file, path, x, 1, NULL, 0, &error), 0);
+    assert_int_equal(
+        planish_file_write(file, path, x, &(planish_write_options){.threads = 1}, &error), 0);
     size_t size;
     char *written = test_read(path, &size);
     assert_int_equal(size, b.size);

@@ -360,7 +360,8 @@ static void written_with_all_its_files(void **state) {
         planish_file_coordinates(file)[14] = 2.5;
         test_path(path, *state, outputs[i]);
         assert_true(planish_file_can_write(file, path));
-        if (planish_file_write(file, path, planish_file_coordinates(file), 1, NULL, 0, &error))
+        if (planish_file_write(file, path, planish_file_coordinates(file),
+                               &(planish_write_options){.threads = 1}, &error))
             fail_msg("%s", error.text);
         planish_file_close(file);
         static const char *const names[] = {"b.node", "b.ele", "b.face"};
@@ -383,7 +384,8 @@ static void written_over_itself(void **state) {
     planish_file *file = open_mesh(state, "a.ele");
     planish_file_coordinates(file)[14] = 0.1;
     test_path(path, *state, "a.ele");
-    if (planish_file_write(file, path, planish_file_coordinates(file), 1, NULL, 0, &error))
+    if (planish_file_write(file, path, planish_file_coordinates(file),
+                           &(planish_write_options){.threads = 1}, &error))
         fail_msg("%s", error.text);
     planish_file_close(file);
     file = open_mesh(state, "a.ele");
@@ -397,8 +399,9 @@ static int write_as(void **state, const char *name, planish_error *error) {
     char path[TEST_PATH_SIZE];
     planish_file *file = open_mesh(state, "a.node");
     planish_file_coordinates(file)[14] = 2.5;
-    int status = planish_file_write(file, test_path(path, *state, name),
-                                    planish_file_coordinates(file), 1, NULL, 0, error);
+    int status =
+        planish_file_write(file, test_path(path, *state, name), planish_file_coordinates(file),
+                           &(planish_write_options){.threads = 1}, error);
     planish_file_close(file);
     return status;
 }
@@ -415,8 +418,9 @@ static void promised_attributes_may_be_missing(void **state) {
     test_write(*state, "a.node", nodes.data, (size_t)nodes.size);
     put(state, "a.ele", elements_from_1);
     planish_file *file = open_mesh(state, "a.node");
-    assert_int_equal(
-        planish_file_write(file, test_path(path, *state, "b.node"), where, 1, NULL, 0, NULL), 0);
+    assert_int_equal(planish_file_write(file, test_path(path, *state, "b.node"), where,
+                                        &(planish_write_options){.threads = 1}, NULL),
+                     0);
     planish_file_close(file);
     file = open_mesh(state, "b.node");
     assert_memory_equal(planish_file_mesh(file).coordinates, where, sizeof where);
@@ -526,9 +530,9 @@ static void names(void **state) {
             planish_error error;
             test_path(path, *state, cases[i].output);
             assert_int_equal(planish_file_check_output(file, path, &error), 0);
-            assert_int_equal(
-                planish_file_write(file, path, planish_file_coordinates(file), 1, NULL, 0, &error),
-                0);
+            assert_int_equal(planish_file_write(file, path, planish_file_coordinates(file),
+                                                &(planish_write_options){.threads = 1}, &error),
+                             0);
             check_file(state, cases[i].nodes, nodes_from_0);
             check_file(state, cases[i].elements, elements_from_0);
             planish_file_close(file);
@@ -540,8 +544,9 @@ static void names(void **state) {
     /* In place: no second file of another case. */
     planish_file *file = open_mesh(state, "d.NODE");
     test_path(path, *state, "d.NODE");
-    assert_int_equal(
-        planish_file_write(file, path, planish_file_coordinates(file), 1, NULL, 0, NULL), 0);
+    assert_int_equal(planish_file_write(file, path, planish_file_coordinates(file),
+                                        &(planish_write_options){.threads = 1}, NULL),
+                     0);
     planish_file_close(file);
     assert_int_not_equal(access(test_path(path, *state, "d.ELE"), F_OK), 0);
 }
@@ -557,7 +562,8 @@ static void changed_elements_are_refused(void **state) {
         planish_file *file = open_mesh(state, "a.node");
         put(state, "a.ele", "1 4 1\n0  0 1 2 3  7\n");
         assert_true(planish_file_write(file, test_path(path, *state, outputs[i]),
-                                       planish_file_coordinates(file), 1, NULL, 0, &error) < 0);
+                                       planish_file_coordinates(file),
+                                       &(planish_write_options){.threads = 1}, &error) < 0);
         assert_non_null(strstr(error.text, "a.ele"));
         check_file(state, "a.node", nodes_from_0);
         check_file(state, "b.node", NULL);
@@ -575,8 +581,9 @@ static void names_without_the_extension(void **state) {
     assert_int_equal(planish_file_open(test_path(path, *state, "a.txt"), "tetgen", 1, &file, NULL),
                      0);
     test_path(path, *state, "b.txt");
-    assert_int_equal(
-        planish_file_write(file, path, planish_file_coordinates(file), 1, NULL, 0, NULL), 0);
+    assert_int_equal(planish_file_write(file, path, planish_file_coordinates(file),
+                                        &(planish_write_options){.threads = 1}, NULL),
+                     0);
     planish_file_close(file);
     check_file(state, "b.txt", nodes_from_0);
     check_file(state, "b.txt.ele", elements_from_0);

@@ -367,8 +367,8 @@ static planish_file *convert(const char *folder, planish_file *file, const char 
     planish_file *copy = NULL;
     planish_error error = {.text = ""};
     test_path(path, folder, name);
-    if (planish_file_convert(file, path, file->model.coordinates, NULL, NULL, NULL, 0, lost, 256,
-                             &error) ||
+    if (planish_file_convert(file, path, file->model.coordinates,
+                             &(planish_convert_options){.lost = lost, .lost_size = 256}, &error) ||
         planish_file_open(path, NULL, 1, &copy, &error))
         fail_msg("%s", error.text);
     return copy;
@@ -526,18 +526,17 @@ static void copies_have_values(void **state) {
                      "4 1 2 3 10\n3 1 2 3\n6 17 12 13 14 15 16\n5 11 12 13 14 16\n"
                      "CELL_TYPES 8\n13 5 24 3 10 5 13 14\n");
     planish_file *file = open_file(*state, "in.vtk", &b);
-    const planish_view_data data = {.radius_ratio = value[0],
-                                    .cells = {.aspect_ratio = value[1],
-                                              .scaled_jacobian = value[2],
-                                              .jacobian_ratio = value[3],
-                                              .edge_ratio = value[4],
-                                              .state = small[0],
-                                              .is_curved = small[1]}};
+    const planish_convert_options data = {.radius_ratio = value[0],
+                                          .cells = {.aspect_ratio = value[1],
+                                                    .scaled_jacobian = value[2],
+                                                    .jacobian_ratio = value[3],
+                                                    .edge_ratio = value[4],
+                                                    .state = small[0],
+                                                    .is_curved = small[1]}};
     static const char *const names[] = {"radius_ratio", "aspect_ratio", "scaled_jacobian",
                                         "jacobian_ratio", "edge_ratio"};
     assert_int_equal(planish_file_convert(file, test_path(path, *state, "values.vtk"),
-                                          file->model.coordinates, NULL, &data, NULL, 0, NULL, 0,
-                                          NULL),
+                                          file->model.coordinates, &data, NULL),
                      0);
     char *copy = test_read(path, &length);
     for (int k = 0; k < 5; k++) {

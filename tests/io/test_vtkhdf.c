@@ -246,7 +246,7 @@ static planish_file *open_path(const char *path) {
 
 static void write_path(const planish_file *file, const char *path, const double *coordinates) {
     planish_error error = {.text = ""};
-    if (planish_file_write(file, path, coordinates, 1, NULL, 0, &error))
+    if (planish_file_write(file, path, coordinates, &(planish_write_options){.threads = 1}, &error))
         fail_msg("%s", error.text);
 }
 
@@ -291,7 +291,8 @@ static void check_writing(const char *folder, const grid *g, int is_plain) {
     planish_file_close(again);
     assert_int_equal(test_count_files(folder), 2);
     planish_error error = {.text = ""};
-    int status = planish_file_write(file, "/dev/null", xyz, 1, NULL, 0, &error);
+    int status =
+        planish_file_write(file, "/dev/null", xyz, &(planish_write_options){.threads = 1}, &error);
     assert_int_equal(status, is_plain ? 0 : PLANISH_ERROR_FILE);
     if (!is_plain)
         assert_non_null(strstr(error.text, "cannot be written to a pipe"));

@@ -108,21 +108,24 @@ static void write_one(const variant *v, void *context) {
     file_builder f = vtu_make_file(v);
     read_file(&f, &file);
     test_path(path, context, "out.vtu");
-    assert_int_equal(
-        planish_file_write(file, path, planish_file_coordinates(file), 2, NULL, 0, NULL), 0);
+    assert_int_equal(planish_file_write(file, path, planish_file_coordinates(file),
+                                        &(planish_write_options){.threads = 2}, NULL),
+                     0);
     char *same = test_read(path, &size);
     assert_int_equal(size, f.size);
     assert_memory_equal(same, f.data, size);
     free(same);
     stored_points(v, 1.0 / 3, moved);
-    assert_int_equal(planish_file_write(file, path, moved, 2, NULL, 0, NULL), 0);
+    assert_int_equal(
+        planish_file_write(file, path, moved, &(planish_write_options){.threads = 2}, NULL), 0);
     if (planish_file_open(path, NULL, 1, &again, &error))
         fail_msg("%s", error.text);
     expect_mesh(again, v);
     expect_points(again, moved);
     /* And back: the points' blocks are packed as before, so that these are the first bytes. */
     stored_points(v, 1, moved);
-    assert_int_equal(planish_file_write(again, path, moved, 1, NULL, 0, NULL), 0);
+    assert_int_equal(
+        planish_file_write(again, path, moved, &(planish_write_options){.threads = 1}, NULL), 0);
     char *back = test_read(path, &size);
     if (v->form != ASCII) { /* of numbers there are more texts than one */
         assert_int_equal(size, f.size);
@@ -217,8 +220,9 @@ static void pieces_are_one_mesh(void **state) {
     double *x = planish_file_coordinates(file);
     x[1] = 0.25;
     x[11] = 2.5;
-    assert_int_equal(
-        planish_file_write(file, test_path(path, *state, "out.vtu"), x, 1, NULL, 0, NULL), 0);
+    assert_int_equal(planish_file_write(file, test_path(path, *state, "out.vtu"), x,
+                                        &(planish_write_options){.threads = 1}, NULL),
+                     0);
     char *content = test_read(path, NULL);
     assert_non_null(strstr(content, ">0 0.25 0 1 0 0 0 1 0<"));
     assert_non_null(strstr(content, ">2 0 0 3 0 0 2 2.5 0<"));
@@ -297,8 +301,9 @@ static void points_in_the_element(void **state) {
     builder_text(&f, "</AppendedData></VTKFile>");
     read_file(&f, &file);
     stored_points(&v, 1.0 / 7, moved);
-    assert_int_equal(
-        planish_file_write(file, test_path(path, *state, "out.vtu"), moved, 1, NULL, 0, NULL), 0);
+    assert_int_equal(planish_file_write(file, test_path(path, *state, "out.vtu"), moved,
+                                        &(planish_write_options){.threads = 1}, NULL),
+                     0);
     planish_file_close(file);
     assert_int_equal(planish_file_open(path, NULL, 1, &file, NULL), 0);
     expect_mesh(file, &v);
@@ -345,8 +350,9 @@ static void pieces_in_any_order(void **state) {
         assert_true(x[2] == 2 && x[5] == 2 && x[8] == 1);
         x[2] = 2.5;
         x[8] = 1.5;
-        assert_int_equal(
-            planish_file_write(file, test_path(path, *state, "out.vtu"), x, 1, NULL, 0, NULL), 0);
+        assert_int_equal(planish_file_write(file, test_path(path, *state, "out.vtu"), x,
+                                            &(planish_write_options){.threads = 1}, NULL),
+                         0);
         planish_file_close(file);
         assert_int_equal(planish_file_open(path, NULL, 1, &file, NULL), 0);
         x = planish_file_coordinates(file);

@@ -165,8 +165,8 @@ static char *move_node(planish_file *file, int node, const char *folder, const c
     const int dim = planish_file_mesh(file).dim;
     planish_error error = {.text = ""};
     planish_file_coordinates(file)[node * dim] += 0.125;
-    if (planish_file_write(file, test_path(path, folder, name), planish_file_coordinates(file), 1,
-                           NULL, 0, &error))
+    if (planish_file_write(file, test_path(path, folder, name), planish_file_coordinates(file),
+                           &(planish_write_options){.threads = 1}, &error))
         fail_msg("%s", error.text);
     return test_read(path, NULL);
 }
@@ -433,8 +433,9 @@ static void writing_fails(planish_file *file, const char *folder, const char *na
     planish_error error = {.text = ""};
     test_path(path, folder, name);
     assert_int_not_equal(planish_file_check_output(file, path, &error), 0);
-    assert_int_not_equal(
-        planish_file_write(file, path, planish_file_coordinates(file), 1, NULL, 0, &error), 0);
+    assert_int_not_equal(planish_file_write(file, path, planish_file_coordinates(file),
+                                            &(planish_write_options){.threads = 1}, &error),
+                         0);
     if (!strstr(error.text, word))
         fail_msg("'%s' was expected in: %s", word, error.text);
     assert_int_equal(test_count_files(folder), n);
@@ -543,9 +544,9 @@ static void other_files_are_not_overwritten(void **state) {
     writing_fails(file, folder, "new/out.xdmf", "cells.bin: exists", 5);
     assert_int_equal(test_count_files(path), 1);
     planish_error error;
-    assert_int_not_equal(
-        planish_file_write(file, "/dev/null", planish_file_coordinates(file), 1, NULL, 0, &error),
-        0);
+    assert_int_not_equal(planish_file_write(file, "/dev/null", planish_file_coordinates(file),
+                                            &(planish_write_options){.threads = 1}, &error),
+                         0);
     assert_non_null(strstr(error.text, "cannot be written to a pipe"));
     planish_file_close(file);
     /* A file that names "notout.bin" does not name out.bin. */

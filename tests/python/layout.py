@@ -32,7 +32,8 @@ STRUCTURES = {
     "planish_data": _io_structures.Data,
     "planish_group": _io_structures.Group,
     "planish_hold": _io_structures.Hold,
-    "planish_view_data": _io_structures.ViewData,
+    "planish_write_options": _io_structures.WriteOptions,
+    "planish_convert_options": _io_structures.ConvertOptions,
 }
 
 print("#include <planish/planish_io.h>\n#include <stdio.h>\nint main(void) {\n    int bad = 0;")

@@ -17,6 +17,7 @@ import unittest
 import numpy as np
 
 import planish
+from planish import _library
 
 try:
     import meshio
@@ -77,7 +78,8 @@ class Processes(unittest.TestCase):
     def test_a_wrong_library_is_refused(self):
         with tempfile.TemporaryDirectory() as folder:
             for name, code in (("other", "int other(void) { return 0; }"),
-                               ("later", 'const char *planish_version(void) { return "0.3.0"; }')):
+                               ("later", 'const char *planish_version(void) { return "0.3.0"; }'),
+                               ("files", 'const char *planish_io_version(void) { return "0.3.0"; }')):
                 source, library = (os.path.join(folder, name + end) for end in (".c", ".so"))
                 pathlib.Path(source).write_text(code)
                 subprocess.run(["cc", "-shared", "-fPIC", source, "-o", library], check=True)
@@ -85,6 +87,7 @@ class Processes(unittest.TestCase):
                                       stderr=subprocess.PIPE, env=dict(os.environ, PLANISH_LIBRARY=library))
                 self.assertNotEqual(done.returncode, 0)
                 self.assertIn("ImportError", done.stderr)
+                self.assertRaises(OSError, _library._open, "planish_io", library)
 
 
 class Smoothing(unittest.TestCase):
@@ -408,6 +411,7 @@ class Plans(unittest.TestCase):
         self.assertEqual(planish.smooth(points, cells).as_dict()["stop"], "converged")
         self.assertGreater(values["smallest_angle_deg"]["min"], 0)
         self.assertEqual(planish.version(), "0.2.0")
+        self.assertEqual(planish.__version__, "0.2.0")
 
 
 class Refusals(unittest.TestCase):

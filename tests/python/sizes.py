@@ -33,7 +33,7 @@ class Sizes(unittest.TestCase):
         self.assertLess(after.rms_log, 0.6 * before.rms_log)
         self.assertEqual(after.n_elements, SIDE * SIDE)
         self.assertAlmostEqual(np.sqrt((np.log(after.ratio) ** 2).mean()), after.rms_log, 12)
-        self.assertAlmostEqual(after.ratio[after.largest], after.most, 15)
+        self.assertAlmostEqual(after.ratio[after.largest], after.max, 15)
 
     def test_a_weight_is_taken(self):
         points, cells = squares()

@@ -542,7 +542,7 @@ static void distances_are_measured(void **state) {
                 x[j] = y[j] * (k == 2 && side && j < 2 ? 1.004 : 1);
             memcpy(padded + 4 * i, x, 3 * sizeof *x);
         }
-        assert_int_equal(planish_measure_shape(shape.s, &wide, 1, &d, NULL), 0);
+        assert_int_equal(planish_shape_measure(shape.s, &wide, 1, &d, NULL), 0);
         assert_int_equal(d.n_unproved, 0);
         assert_true(d.max_bend_before > 7.49 && d.max_bend_before < 20);
         static const double LEAST[] = {0, 0, 0.002 * 0.999}, MOST[] = {0, 0.0012, 0.008};
@@ -552,20 +552,20 @@ static void distances_are_measured(void **state) {
         assert_true(k == 0 ? d.in_edges == 0 && d.max_bend == d.max_bend_before
                            : d.in_edges > d.distance / 0.1 && d.in_edges < d.distance / 0.01);
         planish_shape_distance again;
-        assert_int_equal(planish_measure_shape(shape.s, &m.mesh, 3, &again, NULL), 0);
+        assert_int_equal(planish_shape_measure(shape.s, &m.mesh, 3, &again, NULL), 0);
         assert_memory_equal(&d, &again, sizeof d);
     }
     planish_error error = {.text = ""};
     wide.n_nodes--;
-    assert_int_equal(planish_measure_shape(shape.s, &wide, 1, &d, &error), PLANISH_ERROR_ARGUMENT);
+    assert_int_equal(planish_shape_measure(shape.s, &wide, 1, &d, &error), PLANISH_ERROR_ARGUMENT);
     assert_non_null(strstr(error.text, "nodes"));
     m.x[5][1] = INFINITY;
-    assert_int_equal(planish_measure_shape(shape.s, &m.mesh, 1, &d, &error), PLANISH_ERROR_MESH);
+    assert_int_equal(planish_shape_measure(shape.s, &m.mesh, 1, &d, &error), PLANISH_ERROR_MESH);
     assert_int_equal(error.node, 5);
-    assert_int_equal(planish_measure_shape(shape.s, &m.mesh, -1, &d, NULL), PLANISH_ERROR_ARGUMENT);
-    assert_int_equal(planish_measure_shape(NULL, &m.mesh, 1, &d, NULL), PLANISH_ERROR_ARGUMENT);
-    assert_int_equal(planish_measure_shape(shape.s, NULL, 1, &d, NULL), PLANISH_ERROR_ARGUMENT);
-    assert_int_equal(planish_measure_shape(shape.s, &m.mesh, 1, NULL, NULL),
+    assert_int_equal(planish_shape_measure(shape.s, &m.mesh, -1, &d, NULL), PLANISH_ERROR_ARGUMENT);
+    assert_int_equal(planish_shape_measure(NULL, &m.mesh, 1, &d, NULL), PLANISH_ERROR_ARGUMENT);
+    assert_int_equal(planish_shape_measure(shape.s, NULL, 1, &d, NULL), PLANISH_ERROR_ARGUMENT);
+    assert_int_equal(planish_shape_measure(shape.s, &m.mesh, 1, NULL, NULL),
                      PLANISH_ERROR_ARGUMENT);
     free(padded);
     planish_shape_destroy(shape.s);

@@ -67,7 +67,7 @@ static planish_options two_sweeps(const planish_shape *shape) {
 /** Expect that the nodes of a mesh are near to a shape, for certain. */
 static void expect_near(const planish_shape *shape, const planish_mesh *mesh, double most) {
     planish_shape_distance distance;
-    assert_int_equal(planish_measure_shape(shape, mesh, 1, &distance, NULL), 0);
+    assert_int_equal(planish_shape_measure(shape, mesh, 1, &distance, NULL), 0);
     assert_int_equal(distance.n_unproved, 0);
     assert_true(distance.distance > 0 && distance.distance < most);
 }

@@ -589,20 +589,20 @@ static void a_mesh_is_measured_in_its_own_units(void **unused) {
     pl_shape_distance d;
     planish_error error;
     assert_int_equal(pl_shape_measure(m.shape, (const double(*)[3])m.x, m.place, 1, &d, &error), 0);
-    assert_int_equal(planish_measure_shape(m.shape, &given, 2, &public, &error), 0);
+    assert_int_equal(planish_shape_measure(m.shape, &given, 2, &public, &error), 0);
     assert_true(public.distance == d.there / m.shape->scale && public.in_edges == d.there_h);
     assert_true(public.distance_back == d.back / m.shape->scale);
     assert_true(public.back_in_edges == d.back_h && public.n_unproved == 0);
     assert_true(fabs(cos(public.max_bend * acos(-1.) / 180) - d.sharpest) < 1e-12);
     assert_true(public.max_bend_before > 0 && public.max_bend_before <= 40);
     given.n_nodes--;
-    assert_int_equal(planish_measure_shape(m.shape, &given, 2, &public, &error),
+    assert_int_equal(planish_shape_measure(m.shape, &given, 2, &public, &error),
                      PLANISH_ERROR_ARGUMENT);
     given.n_nodes++;
     x[4] = INFINITY;
-    assert_int_equal(planish_measure_shape(m.shape, &given, 2, &public, &error),
+    assert_int_equal(planish_shape_measure(m.shape, &given, 2, &public, &error),
                      PLANISH_ERROR_MESH);
-    assert_int_equal(planish_measure_shape(NULL, &given, 2, &public, &error),
+    assert_int_equal(planish_shape_measure(NULL, &given, 2, &public, &error),
                      PLANISH_ERROR_ARGUMENT);
     free(x);
     release(&m);

@@ -130,21 +130,21 @@ static void names_decide(void **state) {
     test_mesh box;
     test_mesh_box(&box, 2, CELLS);
     for (size_t i = 0; i < sizeof no / sizeof *no; i++) {
-        assert_int_equal(planish_region_name(no[i]), -1);
+        assert_int_equal(planish_rank_region_name(no[i]), -1);
         assert_false(rule_tells(&box, no[i], halves));
     }
     for (size_t i = 0; i < sizeof open / sizeof *open; i++) {
-        if (planish_region_name(open[i]) != 0)
+        if (planish_rank_region_name(open[i]) != 0)
             fail_msg("'%s' decides", open[i]);
         assert_true(rule_tells(&box, open[i], halves));
     }
     for (size_t i = 0; i < sizeof yes / sizeof *yes; i++) {
-        assert_true(planish_region_name(yes[i]) > 0);
+        assert_true(planish_rank_region_name(yes[i]) > 0);
         assert_true(rule_tells(&box, yes[i], parity));
         assert_false(rule_tells(&box, yes[i], same));
     }
-    assert_int_equal(planish_region_name(NULL), 0);
-    assert_int_equal(planish_region_name("region"), planish_region_name("Region"));
+    assert_int_equal(planish_rank_region_name(NULL), 0);
+    assert_int_equal(planish_rank_region_name("region"), planish_rank_region_name("Region"));
     test_mesh_destroy(&box);
 }
 

@@ -30,11 +30,10 @@ planish_file *converting_to(const char *folder, planish_file *file, const char *
                             const char *extension, char lost[512]) {
     char path[TEST_PATH_SIZE], base[64];
     planish_error error = {.text = ""};
-    const planish_view_data data = {.format = name};
+    const planish_convert_options data = {.format = name, .lost = lost, .lost_size = 512};
     snprintf(base, sizeof base, "out-%s%s", name, extension);
     test_path(path, folder, base);
-    if (planish_file_convert(file, path, planish_file_mesh(file).coordinates, NULL, &data, NULL, 0,
-                             lost, 512, &error))
+    if (planish_file_convert(file, path, planish_file_mesh(file).coordinates, &data, &error))
         fail_msg("%s", error.text);
     return converting_open(path);
 }

@@ -34,7 +34,7 @@ static char *write_bytes(const planish_file *file, const double *coordinates, co
         snprintf(name, sizeof name, "written%s", file->format->extensions[1]);
         test_path(path, folder, name);
     }
-    if (planish_file_write(file, path, coordinates, 1, NULL, 0, &error))
+    if (planish_file_write(file, path, coordinates, &(planish_write_options){.threads = 1}, &error))
         fail_msg("%s", error.text);
     char *data = test_read(path, &written);
     unlink(path);

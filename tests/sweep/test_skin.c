@@ -72,7 +72,7 @@ static planish_shape_distance distance_of(const round_mesh *m, const double *coo
     planish_shape_distance distance;
     planish_mesh mesh = m->mesh;
     mesh.coordinates = coordinates;
-    assert_int_equal(planish_measure_shape(m->shape, &mesh, 1, &distance, NULL), 0);
+    assert_int_equal(planish_shape_measure(m->shape, &mesh, 1, &distance, NULL), 0);
     return distance;
 }
 

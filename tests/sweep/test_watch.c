@@ -481,7 +481,7 @@ static void mids_mend_invalid_elements(void **state) {
         const planish_cell_measures after = measures_of(&b, x);
         assert_int_equal(after.n_inverted, 0);
         assert_int_equal(result.n_inverted, 0);
-        assert_int_equal(result.n_hopeless, 0);
+        assert_int_equal(result.n_infeasible_curved, 0);
         assert_true(result.n_released_mids > 0);
         assert_true(after.min_jacobian_ratio > 0.1);
         for (int64_t i = b.box.mesh.n_nodes; i < b.mesh.n_nodes; i++)
@@ -586,11 +586,11 @@ static void hopeless_elements_are_proved(void **state) {
     const int64_t n_folded = measures_of(&b, b.x).n_inverted;
     assert_true(n_folded > 0);
     double *x = smooth(&b, &o, &result);
-    assert_in_range(result.n_hopeless, 1, n_folded);
-    assert_in_range(result.n_inverted, result.n_hopeless, n_folded);
+    assert_in_range(result.n_infeasible_curved, 1, n_folded);
+    assert_in_range(result.n_inverted, result.n_infeasible_curved, n_folded);
     assert_int_equal(count_broken(&b, b.x, x), 0);
-    assert_int_equal(count_infeasible(&b, b.x), result.n_hopeless);
-    assert_int_equal(count_infeasible(&b, x), result.n_hopeless);
+    assert_int_equal(count_infeasible(&b, b.x), result.n_infeasible_curved);
+    assert_int_equal(count_infeasible(&b, x), result.n_infeasible_curved);
     free(x);
     push_mids(&b, dim == 3 ? 40 : 10, 1.5, 3);
     assert_true(measures_of(&b, b.x).n_inverted > n_folded);
@@ -617,7 +617,7 @@ static void held_mids_stay(void **state) {
     double *x = smooth(&b, &o, &result);
     assert_memory_equal(x, b.x, (size_t)(b.mesh.n_nodes * dim) * sizeof *x);
     assert_int_equal(result.n_released_mids, 0);
-    assert_true(result.n_hopeless > 0 && result.n_hopeless == result.n_inverted);
+    assert_true(result.n_infeasible_curved > 0 && result.n_infeasible_curved == result.n_inverted);
     free(x);
     b.mesh.constraint = NULL;
     o.max_displacement = 0.05;

@@ -44,16 +44,19 @@ static int find_held(const planish_file *file, int64_t n, uint8_t **constraint,
 
 static int convert(const pl_arguments *arguments, planish_file *file) {
     const planish_mesh mesh = planish_file_mesh(file);
-    const planish_view_data data = {.format = arguments->to};
     planish_error error;
     char lost[512];
+    planish_convert_options options = {.format = arguments->to,
+                                       .temporary = pl_signals_temporary(PL_TEMPORARY_MESH),
+                                       .temporary_size = PL_TEMPORARY_SIZE,
+                                       .lost = lost,
+                                       .lost_size = sizeof lost};
     uint8_t *constraint = NULL;
     int status = find_held(file, mesh.n_nodes, &constraint, &error);
     const int taken = status ? 0 : pl_output_check_still_new(arguments);
+    options.constraint = constraint;
     if (!status && !taken)
-        status = planish_file_convert(file, arguments->output, mesh.coordinates, constraint, &data,
-                                      pl_signals_temporary(PL_TEMPORARY_MESH), PL_TEMPORARY_SIZE,
-                                      lost, sizeof lost, &error);
+        status = planish_file_convert(file, arguments->output, mesh.coordinates, &options, &error);
     free(constraint);
     if (taken)
         return taken;

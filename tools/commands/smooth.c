@@ -86,11 +86,14 @@ static int write_mesh(pl_job *job, pl_result *result) {
         /* Its memory is better used for the file's pages: what is written to fresh ones takes
          * longer. */
         job->engine->plan_destroy(job);
-        const int code = by_engine ? job->engine->write(job, output, checksums, &error)
-                                   : planish_file_write(job->file, output, job->mesh.coordinates,
-                                                        job->options.threads,
-                                                        pl_signals_temporary(PL_TEMPORARY_MESH),
-                                                        PL_TEMPORARY_SIZE, &error);
+        const int code =
+            by_engine ? job->engine->write(job, output, checksums, &error)
+                      : planish_file_write(job->file, output, job->mesh.coordinates,
+                                           &(planish_write_options){
+                                               .threads = job->options.threads,
+                                               .temporary = pl_signals_temporary(PL_TEMPORARY_MESH),
+                                               .temporary_size = PL_TEMPORARY_SIZE},
+                                           &error);
         status = code ? pl_job_complain(job, PL_EXIT_FAILED, &error) : 0;
     }
     result->input_checksum = checksums[0];

@@ -285,7 +285,7 @@ static int check_result(pl_job *job, pl_result *result) {
                                    : result->after.n_inverted;
     if ((status = pl_unfixable_find(job, n_inverted, smooth, &result->unfixable)))
         return status;
-    if ((status = pl_unfixable_add_inside(job, &result->validity_after, smooth->n_hopeless,
+    if ((status = pl_unfixable_add_inside(job, &result->validity_after, smooth->n_infeasible_curved,
                                           &result->unfixable)))
         return status;
     if ((status = pl_reversed_compare(job, &result->after, &result->reversed)))

@@ -300,29 +300,32 @@ int pl_cells_measure_elements(const pl_job *job, double *ratio, planish_error *e
 
 enum { N_MEASURES = 4 }; /* arrays of planish_cell_values of real numbers */
 
-/** Write the copy; memory is where the arrays of data are to be. */
+/** Write the copy; memory is where the arrays of measures are to be. */
 static int convert(const pl_job *job, const char *path, const planish_cells *cells, double *memory,
                    char lost[512], planish_error *error) {
     planish_cell_quality quality;
     double *ratio = memory + N_MEASURES * cells->n;
-    planish_view_data data = {
+    planish_convert_options options = {
         .cells = {.aspect_ratio = memory,
                   .scaled_jacobian = memory + cells->n,
                   .jacobian_ratio = memory + 2 * cells->n,
                   .edge_ratio = memory + 3 * cells->n,
                   .state = (uint8_t *)(ratio + job->mesh.n_elements),
-                  .is_curved = (uint8_t *)(ratio + job->mesh.n_elements) + cells->n}};
-    int code = measure(job, cells, &quality, NULL, &data.cells, error);
+                  .is_curved = (uint8_t *)(ratio + job->mesh.n_elements) + cells->n},
+        .constraint = job->constraint,
+        .temporary = pl_signals_temporary(PL_TEMPORARY_MESH),
+        .temporary_size = PL_TEMPORARY_SIZE,
+        .lost = lost,
+        .lost_size = 512};
+    int code = measure(job, cells, &quality, NULL, &options.cells, error);
     if (job->has_types && job->mesh.cells->type == cells->type) { /* they have just been measured */
-        data.radius_ratio = data.cells.aspect_ratio;
+        options.radius_ratio = options.cells.aspect_ratio;
     } else if (!code && job->mesh.n_elements > 0) {
-        data.radius_ratio = ratio;
+        options.radius_ratio = ratio;
         code = pl_cells_measure_elements(job, ratio, error);
     }
     return code ? code
-                : planish_file_convert(job->file, path, job->mesh.coordinates, job->constraint,
-                                       &data, pl_signals_temporary(PL_TEMPORARY_MESH),
-                                       PL_TEMPORARY_SIZE, lost, 512, error);
+                : planish_file_convert(job->file, path, job->mesh.coordinates, &options, error);
 }
 
 int pl_cells_convert(const pl_job *job, const char *path) {

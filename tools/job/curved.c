@@ -142,8 +142,10 @@ void pl_curved_try(pl_job *job) {
         return;
     int is_there = 1;
     if (job->arguments->surface_of) {
-        is_there = !planish_file_open_isolated(job->arguments->surface_of, NULL,
-                                               job->options.threads, &original, &ignored);
+        is_there = !planish_file_open_with(
+            job->arguments->surface_of,
+            &(planish_open_options){.threads = job->options.threads, .isolated = 1}, &original,
+            &ignored);
         const planish_mesh other = planish_file_mesh(original);
         is_there = is_there && pl_same_meshes(&mesh, &other);
     }
@@ -169,7 +171,7 @@ int pl_curved_measure(const pl_job *job, planish_shape_distance *distance) {
     planish_error error;
     planish_mesh mesh = planish_file_mesh(job->file);
     *distance = (planish_shape_distance){.distance = 0};
-    return planish_measure_shape(job->curved.shape, &mesh, job->options.threads, distance, &error)
+    return planish_shape_measure(job->curved.shape, &mesh, job->options.threads, distance, &error)
                ? pl_job_complain(job, PL_EXIT_FAILED, &error)
                : 0;
 }

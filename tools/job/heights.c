@@ -133,8 +133,8 @@ static void put_change(double ratio, char *text, size_t size) {
 /** Write by how much heights of a row are off: "-2 % .. +7.3 %". */
 static void put_row(const planish_layer_row *row, char *text, size_t size) {
     char least[32], most[32];
-    put_change(row->least, least, sizeof least);
-    put_change(row->most, most, sizeof most);
+    put_change(row->min, least, sizeof least);
+    put_change(row->max, most, sizeof most);
     snprintf(text, size, "%s .. %s", least, most);
 }
 
@@ -180,7 +180,7 @@ static double find_worst(const planish_layer_heights *of, int *row) {
     double worst = 0;
     *row = 1;
     for (int i = 0; i < of->n_rows; i++) {
-        const double off = fmax(1 - of->row[i].least, of->row[i].most - 1);
+        const double off = fmax(1 - of->row[i].min, of->row[i].max - 1);
         if (of->row[i].n > 0 && off > worst) {
             worst = off;
             *row = i + 1;

@@ -157,9 +157,9 @@ int pl_unfixable_find(const pl_job *job, int64_t n_inverted, const planish_resul
     return status;
 }
 
-int pl_unfixable_add_inside(const pl_job *job, const pl_validity *validity, int64_t n_hopeless,
-                            pl_unfixable *unfixable) {
-    if (validity->n_inside == 0 || n_hopeless < validity->n_inside)
+int pl_unfixable_add_inside(const pl_job *job, const pl_validity *validity,
+                            int64_t n_infeasible_curved, pl_unfixable *unfixable) {
+    if (validity->n_inside == 0 || n_infeasible_curved < validity->n_inside)
         return 0;
     if (!unfixable->state)
         unfixable->state = calloc((size_t)job->mesh.n_elements + 1, 1);

@@ -61,9 +61,9 @@ void pl_table_rows_sizes(FILE *stream, const planish_size_quality *before,
     char text[160];
     pl_table_row_real(stream, "RMS of log(size / wanted)", before ? &before->rms_log : NULL,
                       after->rms_log, &off);
-    pl_table_row_real(stream, "  least size / wanted", before ? &before->least : NULL, after->least,
+    pl_table_row_real(stream, "  least size / wanted", before ? &before->min : NULL, after->min,
                       &plain);
-    pl_table_row_real(stream, "  largest", before ? &before->most : NULL, after->most, &plain);
+    pl_table_row_real(stream, "  largest", before ? &before->max : NULL, after->max, &plain);
     snprintf(text, sizeof text,
              "Sizes are relative: times %.4g, those given are what as many elements can have.",
              after->factor);

@@ -17,7 +17,7 @@ static void note_regions(FILE *stream, const pl_job *job) {
     size_t used = 0;
     int n = 0, is_expected = 1;
     for (; name[n]; n++) {
-        is_expected &= planish_region_name(name[n]) > 0;
+        is_expected &= planish_rank_region_name(name[n]) > 0;
         if (used < sizeof list)
             used +=
                 (size_t)snprintf(list + used, sizeof list - used, "%s'%s'", n ? ", " : "", name[n]);

@@ -47,12 +47,12 @@ static int prove_and_mend(pl_mend *c, int improves, planish_error *error) {
     int64_t first = -1;
     int status = pl_mids_release(&c->watch->mids, error);
     if (!status)
-        status = pl_mend_prove(c, &run->result->n_hopeless, &first, error);
-    if (!status && run->result->n_hopeless > 0)
+        status = pl_mend_prove(c, &run->result->n_infeasible_curved, &first, error);
+    if (!status && run->result->n_infeasible_curved > 0)
         pl_log(PLANISH_LOG_NOTE,
                "%" PRId64 " curved elements are invalid wherever their free nodes go, the first "
                "is element %" PRId64,
-               run->result->n_hopeless, pl_plan_element(run->plan, first));
+               run->result->n_infeasible_curved, pl_plan_element(run->plan, first));
     if (!status && run->options->untangle)
         status = pl_mend_invalid(c, !improves, error);
     if (!status && improves)

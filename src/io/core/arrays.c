@@ -229,7 +229,7 @@ static int make_view(const io_model *model, array_view *v, planish_error *error)
 static int find_primary(const io_model *model) {
     int best = -1, best_rank = 0;
     for (int i = 0; i < model->n_arrays; i++) {
-        const int rank = planish_region_name(model->array[i].name);
+        const int rank = planish_rank_region_name(model->array[i].name);
         if (rank > 0 && (best < 0 || rank < best_rank)) {
             best = i;
             best_rank = rank;

@@ -172,9 +172,9 @@ static int write_view(const io_view *view, const io_target *target, const char *
 }
 
 static int convert(planish_file *file, const io_target *target, const char *path,
-                   const double *coordinates, const uint8_t *constraint,
-                   const planish_view_data *data, pl_temporaries temporaries, io_losses *losses,
-                   planish_error *error) {
+                   const double *coordinates, const planish_convert_options *options,
+                   io_losses *losses, planish_error *error) {
+    const pl_temporaries temporaries = {options->temporary, options->temporary_size};
     const double *places = NULL;
     double *owned = NULL;
     io_view_field *field = NULL;
@@ -183,7 +183,7 @@ static int convert(planish_file *file, const io_target *target, const char *path
     int status = io_written_coordinates(&file->model, coordinates, NULL, file->model.threads,
                                         &places, &owned, error);
     if (!status)
-        status = io_view_begin(&file->model, places, constraint, data, &view, error);
+        status = io_view_begin(&file->model, places, options, &view, error);
     if (!status)
         status = find_fields(file, &field, &n_fields, losses, error);
     if (!status) {
@@ -202,29 +202,28 @@ static int convert(planish_file *file, const io_target *target, const char *path
 }
 
 int planish_file_convert(planish_file *file, const char *path, const double *coordinates,
-                         const uint8_t *constraint, const planish_view_data *data, char *temporary,
-                         size_t temporary_size, char *lost, size_t lost_size,
-                         planish_error *error) {
-    const pl_temporaries temporaries = {temporary, temporary_size};
+                         const planish_convert_options *options, planish_error *error) {
+    static const planish_convert_options usual = {.format = NULL};
     io_losses losses = {.length = 0};
     const io_format *format;
     if (!file || !path || !coordinates)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "file, path and coordinates must not be NULL");
-    int status =
-        data ? pl_check_reserved("planish_view_data", data->reserved, sizeof data->reserved, error)
-             : PLANISH_OK;
+    options = options ? options : &usual;
+    int status = pl_check_reserved("planish_convert_options", options->reserved,
+                                   sizeof options->reserved, error);
+    if (!status)
+        status = pl_check_reserved("planish_cell_values", options->cells.reserved,
+                                   sizeof options->cells.reserved, error);
     if (status)
         return status;
-    const char *name = data ? data->format : NULL;
-    const io_target *target = find_target(path, name, &format);
+    const io_target *target = find_target(path, options->format, &format);
     if (!target)
-        return fail_target(path, name, error);
+        return fail_target(path, options->format, error);
     const pl_outside outside = pl_call_enter(NULL);
-    status =
-        convert(file, target, path, coordinates, constraint, data, temporaries, &losses, error);
+    status = convert(file, target, path, coordinates, options, &losses, error);
     pl_call_leave(&outside);
-    if (!status && lost && lost_size > 0)
-        snprintf(lost, lost_size, "%s", losses.text);
+    if (!status && options->lost && options->lost_size > 0)
+        snprintf(options->lost, options->lost_size, "%s", losses.text);
     return status;
 }

@@ -347,12 +347,6 @@ int planish_file_open(const char *path, const char *format, int threads, planish
     return open_as_usual(path, &options, IO_LARGEST_COPY, file, error);
 }
 
-int planish_file_open_isolated(const char *path, const char *format, int threads,
-                               planish_file **file, planish_error *error) {
-    const planish_open_options options = {.format = format, .threads = threads, .isolated = 1};
-    return open_as_usual(path, &options, IO_LARGEST_COPY, file, error);
-}
-
 int io_file_open(const char *path, int threads, int64_t largest_copy, planish_file **file,
                  planish_error *error) {
     const planish_open_options options = {.threads = threads};
@@ -390,6 +384,10 @@ void planish_file_close(planish_file *file) {
     io_tags_free(file);
     io_model_destroy(&file->model);
     pl_free(file);
+}
+
+const char *planish_io_version(void) {
+    return PLANISH_VERSION;
 }
 
 /* ---- questions ---------------------------------------------------------------------------- */

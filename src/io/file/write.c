@@ -249,17 +249,22 @@ static int write_folder(const planish_file *file, const char *path, const double
 }
 
 int planish_file_write(const planish_file *file, const char *path, const double *coordinates,
-                       int threads, char *temporary, size_t temporary_size, planish_error *error) {
+                       const planish_write_options *options, planish_error *error) {
+    static const planish_write_options usual = {.threads = 0};
     if (!file || !path || !coordinates)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "file, path and coordinates must not be NULL");
+    options = options ? options : &usual;
+    int status = pl_check_reserved("planish_write_options", options->reserved,
+                                   sizeof options->reserved, error);
+    if (status)
+        return status;
     const pl_outside outside = pl_call_enter(NULL);
-    const pl_temporaries temporaries = {temporary, temporary_size};
-    const int dim = file->model.dim;
+    const pl_temporaries temporaries = {options->temporary, options->temporary_size};
+    const int dim = file->model.dim, threads = pl_thread_count(options->threads);
     const double *places = NULL;
     double *owned = NULL;
-    int status = check_name(file, path, error);
-    threads = pl_thread_count(threads);
+    status = check_name(file, path, error);
     for (int64_t i = 0; i < dim * file->model.n_nodes && !status; i++)
         if (!(fabs(coordinates[i]) <= DBL_MAX))
             status = pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, i / dim,

@@ -74,12 +74,12 @@ static void put_section(io_writer *writer, const io_view *view, const io_view_bl
 /** Put the nodes that the file holds. */
 static void put_required(io_writer *writer, const io_view *view) {
     int64_t n = 0;
-    for (int64_t i = 0; i < view->model->n_nodes && view->constraint; i++)
-        n += view->constraint[i] == PLANISH_CONSTRAINT_FIXED;
+    for (int64_t i = 0; i < view->model->n_nodes && view->options->constraint; i++)
+        n += view->options->constraint[i] == PLANISH_CONSTRAINT_FIXED;
     if (n > 0)
         io_put_format(writer, "RequiredVertices\n%" PRId64 "\n", n);
     for (int64_t i = 0; i < view->model->n_nodes && n > 0; i++)
-        if (view->constraint[i] == PLANISH_CONSTRAINT_FIXED)
+        if (view->options->constraint[i] == PLANISH_CONSTRAINT_FIXED)
             io_put_format(writer, "%" PRId64 "\n", i + 1);
 }
 

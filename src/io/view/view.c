@@ -200,12 +200,9 @@ static int look_at_numbers(io_view *view, planish_error *error) {
 
 /* ---- the view ------------------------------------------------------------------------------ */
 
-int io_view_begin(const io_model *model, const double *coordinates, const uint8_t *constraint,
-                  const planish_view_data *data, io_view *view, planish_error *error) {
-    *view = (io_view){.model = model,
-                      .coordinates = coordinates,
-                      .constraint = constraint,
-                      .data = data ? *data : (planish_view_data){.radius_ratio = NULL}};
+int io_view_begin(const io_model *model, const double *coordinates,
+                  const planish_convert_options *options, io_view *view, planish_error *error) {
+    *view = (io_view){.model = model, .coordinates = coordinates, .options = options};
     for (int kind = 0; kind < IO_VIEW_KINDS; kind++)
         view->first[kind + 1] = view->first[kind] + io_model_list(model, list_of_kind[kind]).n;
     view->n_cells = view->first[IO_VIEW_KINDS];

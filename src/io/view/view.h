@@ -49,9 +49,8 @@ typedef struct io_view_key {
 /** A mesh to be written. Arrays are borrowed but for those of io_view_begin. */
 typedef struct io_view {
     const io_model *model;
-    const double *coordinates;        /* [n_nodes][written] */
-    const uint8_t *constraint;        /* [n_nodes] of planish_constraint, or NULL */
-    planish_view_data data;           /* all NULL: none */
+    const double *coordinates;              /* [n_nodes][written] */
+    const planish_convert_options *options; /* its arrays may be NULL */
     int64_t first[IO_VIEW_KINDS + 1]; /* index of the first cell of each kind, and number of all */
     int64_t n_cells;
     int has_numbers[2]; /* nodes, cells: those of the file are distinct, and from 1 up */
@@ -66,9 +65,9 @@ typedef struct io_view {
     void *file; /* for load */
 } io_view;
 
-/** Begin a view of a mesh. data may be NULL. To be ended in any case. Error: _MEMORY. */
-int io_view_begin(const io_model *model, const double *coordinates, const uint8_t *constraint,
-                  const planish_view_data *data, io_view *view, planish_error *error);
+/** Begin a view of a mesh. To be ended in any case. Error: _MEMORY. */
+int io_view_begin(const io_model *model, const double *coordinates,
+                  const planish_convert_options *options, io_view *view, planish_error *error);
 /** Release the memory of io_view_begin. */
 void io_view_end(io_view *view);
 

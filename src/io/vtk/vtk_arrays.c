@@ -22,7 +22,7 @@ static void cell_at(const io_view *view, int64_t i, io_view_cell *cell) {
 
 /** Return a measure of elements, by their index in planish_file_cells; NULL: values are not real. */
 static const double *measures_of(const io_view *view, vtk_out_values values) {
-    const planish_view_data *data = &view->data;
+    const planish_convert_options *data = view->options;
     switch (values) {
     case VTK_OUT_RADIUS_RATIOS:
         return data->radius_ratio;
@@ -40,7 +40,7 @@ static const double *measures_of(const io_view *view, vtk_out_values values) {
 }
 
 static int64_t node_value(const io_view *view, vtk_out_values values, int64_t node) {
-    return values == VTK_OUT_FIXED ? view->constraint[node] == PLANISH_CONSTRAINT_FIXED
+    return values == VTK_OUT_FIXED ? view->options->constraint[node] == PLANISH_CONSTRAINT_FIXED
                                    : io_node_number(view->model, node);
 }
 
@@ -53,9 +53,10 @@ static int64_t cell_value(const io_view *view, vtk_out_values values, const io_v
     case VTK_OUT_REGIONS:
         return cell->region;
     case VTK_OUT_STATES:
-        return cell->element >= 0 ? view->data.cells.state[cell->element] : PLANISH_CELL_STATE_NONE;
+        return cell->element >= 0 ? view->options->cells.state[cell->element]
+                                  : PLANISH_CELL_STATE_NONE;
     case VTK_OUT_CURVED:
-        return cell->element >= 0 && view->data.cells.is_curved[cell->element];
+        return cell->element >= 0 && view->options->cells.is_curved[cell->element];
     case VTK_OUT_GROUPS:
         return entity && entity->n_physical > 0 ? entity->physical[0] : 0;
     default:
@@ -182,9 +183,9 @@ static void add_measures(const io_view *view, vtk_out_arrays *a) {
         if (measures_of(view, VTK_OUT_RADIUS_RATIOS + (unsigned)i))
             add(a->cell_data, &a->n_cell_data, names[i], VTK_OUT_RADIUS_RATIOS + (unsigned)i,
                 VTK_OUT_F64, view->n_cells);
-    if (view->data.cells.state)
+    if (view->options->cells.state)
         add(a->cell_data, &a->n_cell_data, "cell_state", VTK_OUT_STATES, VTK_OUT_U8, view->n_cells);
-    if (view->data.cells.is_curved)
+    if (view->options->cells.is_curved)
         add(a->cell_data, &a->n_cell_data, "is_curved", VTK_OUT_CURVED, VTK_OUT_U8, view->n_cells);
 }
 
@@ -269,7 +270,7 @@ int vtk_arrays_begin(const io_view *view, io_losses *losses, vtk_out_arrays *a,
         .cell_data = pl_alloc(N_OWN_DATA + view->n_fields, sizeof *a->cell_data)};
     if (!a->point_data || !a->cell_data)
         return pl_fail_memory(error, "arrays to be written");
-    if (view->constraint)
+    if (view->options->constraint)
         add(a->point_data, &a->n_point_data, "fixed", VTK_OUT_FIXED, VTK_OUT_U8, model->n_nodes);
     add_numbers(view, 0, a->point_data, &a->n_point_data);
     add_cell_data(view, a);

@@ -23,7 +23,7 @@ typedef enum vtk_out_values {
     VTK_OUT_COORDINATES, /* of nodes, as FIXED and NODE_NUMBERS */
     VTK_OUT_FIXED,
     VTK_OUT_NODE_NUMBERS,
-    VTK_OUT_RADIUS_RATIOS, /* of cells, as all that follow: view->data */
+    VTK_OUT_RADIUS_RATIOS, /* of cells, as all that follow: view->options */
     VTK_OUT_ASPECT_RATIOS,
     VTK_OUT_SCALED_JACOBIANS,
     VTK_OUT_JACOBIAN_RATIOS,

@@ -116,7 +116,7 @@ static int hold_nodes(const value_array *array) {
 /** Read one number for each cell, which may tell regions. */
 static int read_cells_array(const value_array *array, const char *name) {
     vtk_reader *reader = array->reader;
-    const int is_known = planish_region_name(name) > 0;
+    const int is_known = planish_rank_region_name(name) > 0;
     io_array_filler filler;
     int64_t i = 0;
     int status = io_array_begin(reader->model, name, array->n, &filler, reader->error);

@@ -309,7 +309,7 @@ static int put_piece(vtu_document *document, int64_t index, const char *name,
     const int is_real = array->type->kind == VTK_REAL;
     int status = vtu_read_numbers(document, array, piece->n_cells, is_real ? NULL : &whole, NULL,
                                   is_real ? &real : NULL);
-    if (status == PLANISH_ERROR_FORMAT && planish_region_name(name) <= 0) {
+    if (status == PLANISH_ERROR_FORMAT && planish_rank_region_name(name) <= 0) {
         filler->is_broken = 1;
         status = PLANISH_OK;
     }

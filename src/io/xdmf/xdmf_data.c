@@ -158,7 +158,7 @@ static int read_cells(xdmf_reader *r, const xdmf_piece *piece, const xdmf_array 
         place_cells(piece, values, 1, all);
     *is_broken |= is_needed && (status || width != 1);
     pl_free(values);
-    return is_needed && planish_region_name(array->name) > 0 ? status : forgive(r, status);
+    return is_needed && planish_rank_region_name(array->name) > 0 ? status : forgive(r, status);
 }
 
 /** Find the attribute of cells that stands for one of that name in a piece: of lines and facets it may

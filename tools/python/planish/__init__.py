@@ -32,6 +32,8 @@ from ._shapes import Shape
 from ._smooth import smooth
 from ._structures import Progress
 
+__version__ = version()
+
 __all__ = ["CellMeasures", "CellQuality", "CellValues", "ConversionWarning", "Error", "FileError", "FitInfo", "Format",
            "Mesh", "Plan", "Progress", "Quality", "Result", "Shape", "ShapeDistance", "ShapeInfo", "SizeQuality",
            "SlideInfo", "Slides", "Spread", "accessor", "checksum", "find_layers", "find_sizes", "find_slides", "formats",

@@ -11,12 +11,12 @@ from typing import Any, Mapping, Optional, Sequence, Union
 import numpy as np
 from numpy.typing import NDArray
 
-from ._arrays import Array, borrow, pointer
+from ._arrays import Array, address, borrow, pointer
 from ._cell_types import KNOWN, WEDGE_OF_MESHIO
 from ._elements import Elements, Layout, corners_of_simplices
 from ._errors import ConversionWarning
 from ._io import hold_of, io, texts, texts_of, values_of
-from ._io_structures import Data, DataInfo, FileInfo, Group, OpenOptions, Plane, ViewData
+from ._io_structures import ConvertOptions, Data, DataInfo, FileInfo, Group, OpenOptions, Plane, WriteOptions
 from ._library import call, files, threads_to_use
 from ._structures import Cells, MeshView, Surface
 from ._tables import Rows, html_table, text_table
@@ -235,7 +235,8 @@ class Mesh:
         encoded = os.fsencode(path)
         if not io("can_write")(self.handle.file, encoded) and io("can_convert")(self.handle.file, encoded):
             return self._convert(encoded)
-        call(io("write"), self.handle.file, encoded, pointer(self.points), threads_to_use(threads), None, c_size_t(0))
+        call(io("write"), self.handle.file, encoded, pointer(self.points),
+             byref(WriteOptions(threads=threads_to_use(threads))))
         return ""
 
     @staticmethod
@@ -250,8 +251,9 @@ class Mesh:
         call(io("get_held"), self.handle.file, None, pointer(reason))
         held = (reason & ~np.uint8(_OF_MESH) != 0).astype(np.uint8)
         lost = ctypes.create_string_buffer(_TEXT)
-        call(io("convert"), self.handle.file, path, pointer(self.points), pointer(held if held.any() else None),
-             byref(ViewData()), None, c_size_t(0), lost, c_size_t(_TEXT))
+        options = ConvertOptions(constraint=address(held if held.any() else None), lost=ctypes.addressof(lost),
+                                 lost_size=_TEXT)
+        call(io("convert"), self.handle.file, path, pointer(self.points), byref(options))
         return lost.value.decode(errors="replace")
 
     # ---- shown ----------------------------------------------------------------------------------------------

@@ -5,8 +5,8 @@ from __future__ import annotations
 from ctypes import Structure, c_double, c_int
 from typing import Annotated, Any
 
-from ._fields import Double, Int, Int64, Pointer, Text, fields
-from ._structures import CellValueArrays, Numbers3, Reserved1, Reserved3, Reserved4, Reserved6, Reserved8, Vector
+from ._fields import Double, Int, Int64, Pointer, Size, Text, fields
+from ._structures import CellValueArrays, Numbers3, Reserved1, Reserved4, Reserved6, Reserved8, Vector
 
 
 @fields
@@ -110,10 +110,25 @@ class Hold(Structure):
 
 
 @fields
-class ViewData(Structure):
-    """planish_view_data."""
+class WriteOptions(Structure):
+    """planish_write_options."""
 
+    threads: Int
+    temporary: Pointer
+    temporary_size: Size
+    reserved: Reserved4
+
+
+@fields
+class ConvertOptions(Structure):
+    """planish_convert_options."""
+
+    format: Text
+    constraint: Pointer
     radius_ratio: Pointer
     cells: CellValueArrays
-    format: Text
-    reserved: Reserved3
+    temporary: Pointer
+    temporary_size: Size
+    lost: Pointer
+    lost_size: Size
+    reserved: Reserved4

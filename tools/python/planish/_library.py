@@ -41,13 +41,14 @@ def _paths(name: str) -> list[str]:
     return [*beside, soname, ctypes.util.find_library(name) or soname]
 
 
-def _open(path: str) -> ctypes.CDLL:
-    """Open libplanish at path; raise OSError if it is another library, or of a version that does not fit."""
+def _open(name: str, path: str) -> ctypes.CDLL:
+    """Open the library called name at path; raise OSError if it is another one, or its version does not fit."""
     opened = ctypes.CDLL(path)
-    if not hasattr(opened, "planish_version"):
+    if not hasattr(opened, name + "_version"):
         raise OSError(f"{path}: is no library of planish")
-    opened.planish_version.restype = c_char_p
-    found = opened.planish_version().decode()
+    version_of = getattr(opened, name + "_version")
+    version_of.restype = c_char_p
+    found = version_of().decode()
     if not found.startswith(VERSION):
         raise OSError(f"{path}: is version {found}, but this module needs {VERSION}x")
     return opened
@@ -58,7 +59,7 @@ def _load(name: str) -> ctypes.CDLL:
     failures = []
     for path in _paths(name):
         try:
-            return _open(path) if name == "planish" else ctypes.CDLL(path)
+            return _open(name, path)
         except OSError as failure:
             failures.append(str(failure))
     raise ImportError(f"the library lib{name} was not found; install it, or name libplanish.so in PLANISH_LIBRARY ("

@@ -264,8 +264,8 @@ class SizeQuality(Printed):
     n_elements: Int64
     factor: Double
     rms_log: Double
-    least: Double
-    most: Double
+    min: Double
+    max: Double
     smallest: Int64
     largest: Int64
     reserved: Annotated[Any, c_double * 2]
@@ -311,7 +311,7 @@ class Result(Printed):
     n_inverted_inside: Int64
     n_refused: Int64
     n_released_mids: Int64
-    n_hopeless: Int64
+    n_infeasible_curved: Int64
     n_off_shape: Int64
     reserved: Annotated[Any, c_int64 * 8]
 

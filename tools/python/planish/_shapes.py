@@ -77,7 +77,7 @@ class Shape:
         taken, found = Points(getattr(points, "points", points), 3), ShapeDistance()
         mesh = MeshView(dim=3, n_nodes=len(taken.array), coordinates=address(taken.array),
                         node_stride=taken.strides[0], component_stride=taken.strides[1])
-        call(library.planish_measure_shape, self.pointer(), byref(mesh), threads_to_use(self._threads), byref(found))
+        call(library.planish_shape_measure, self.pointer(), byref(mesh), threads_to_use(self._threads), byref(found))
         return found
 
     def close(self) -> None:

@@ -9,7 +9,6 @@ from typing import Annotated, Any
 from ._fields import Double, Int, Int64, Pointer, Size, Text, fields
 
 Reserved1 = Annotated[Any, c_void_p * 1]
-Reserved3 = Annotated[Any, c_void_p * 3]
 Reserved4 = Annotated[Any, c_void_p * 4]
 Reserved6 = Annotated[Any, c_void_p * 6]
 Reserved8 = Annotated[Any, c_void_p * 8]
@@ -86,9 +85,9 @@ class LayerRow(Structure):
     """planish_layer_row."""
 
     n: Int64
-    least: Double
+    min: Double
     median: Double
-    most: Double
+    max: Double
 
 
 @fields
