@@ -3,7 +3,7 @@
 #include "job/curved.h"
 #include "options/combinations.h"
 
-#include "job/cells.h"
+#include "job/cell_types.h"
 #include "job/same.h"
 #include "terminal/message.h"
 
