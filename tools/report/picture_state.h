@@ -73,8 +73,5 @@ void pl_drawn_state_free(pl_drawn_state *state);
  *  (picture_data.c). */
 int64_t pl_picture_length(const pl_picture *picture);
 int64_t pl_picture_step_length(const pl_picture *picture, const pl_drawn_state *step);
-/** Return the ratio beyond which elements inside are drawn at first: a usual one, or less so that a few of
- *  the worst are seen. */
-double pl_picture_start(const pl_picture *picture);
 
 #endif
