@@ -37,8 +37,18 @@ int pl_page_can_draw(void);
 
 /* ---- its parts ------------------------------------------------------------------------------ */
 
-/** page_tables.c: measures before and after, and the worst elements. */
+/** page_summary.c: what was done, and whether the mesh is valid. */
+void pl_page_put_summary(pl_markup *page, const pl_figures *figures);
+
+/** page_tables.c: measures before and after. */
 void pl_page_put_measures(pl_markup *page, const pl_figures *figures);
+
+/** page_picture.c: the picture, as for pl_page_make; the script that draws it. */
+void pl_page_put_picture(pl_markup *page, const pl_figures *figures, const pl_picture *picture,
+                         const char *no_picture);
+void pl_page_put_viewer(pl_markup *page, const pl_picture *picture);
+
+/** page_worst.c: the worst elements. */
 void pl_page_put_worst(pl_markup *page, const pl_figures *figures);
 
 /** page_run.c: heights of layers, the surface, time and machine, and what is certified. */
