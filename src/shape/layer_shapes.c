@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "shape/heights.h"
+#include "shape/upright_means.h"
 
 #include <math.h>
 #include <string.h>
