@@ -3,7 +3,6 @@
 
 #include "base/memory.h"
 #include "base/status.h"
-#include "shape/levels.h"
 #include "shape/shape.h"
 #include "topology/cells.h"
 #include "topology/points.h"
@@ -351,8 +350,6 @@ int pl_columns_find(const planish_mesh *mesh, const uint8_t *is_layer, int threa
         status = number_uprights(c, error);
     if (!status)
         status = make_columns(c, error);
-    if (!status)
-        status = pl_columns_find_levels(c, error);
     return status;
 }
 

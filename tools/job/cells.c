@@ -1,6 +1,7 @@
 /* cells: the elements of every type that a mesh file has: measures, and copies for viewing. */
 #include "job/cells.h"
 
+#include "job/engine.h"
 #include "terminal/message.h"
 #include "terminal/signals.h"
 

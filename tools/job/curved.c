@@ -4,6 +4,7 @@
 #include "options/combinations.h"
 
 #include "job/cell_types.h"
+#include "job/engine.h"
 #include "job/same.h"
 #include "terminal/message.h"
 

@@ -10,6 +10,7 @@
 #ifndef PL_TOOLS_JOB_H
 #define PL_TOOLS_JOB_H
 
+#include "job/engine.h"
 #include "job/job_state.h"
 
 /** Read the file of arguments and find out which nodes it holds and what bounds there are. */

@@ -7,11 +7,12 @@
 #ifndef PL_TOOLS_JOB_STATE_H
 #define PL_TOOLS_JOB_STATE_H
 
-#include "job/engine.h"
 #include "job/like.h"
 #include "options/options.h"
 
 #include <planish/planish_io.h>
+
+struct pl_engine; /* engine.h */
 
 /** Elements thin in layers (layers.h). */
 typedef struct pl_layers {
@@ -99,10 +100,10 @@ typedef struct pl_traffic {
 enum { PL_RELEASED_BY_SLIDE = 1, PL_RELEASED_BY_LAYERS = 2 };
 
 typedef struct pl_job {
-    const pl_arguments *arguments; /* the caller's, or own */
-    const pl_engine *engine;       /* the caller's, or that of surfaces */
-    pl_arguments own;              /* what they mean for a surface in space (curved.h) */
-    planish_options options;       /* those of the arguments, and what file and machine say */
+    const pl_arguments *arguments;  /* the caller's, or own */
+    const struct pl_engine *engine; /* the caller's, or that of surfaces */
+    pl_arguments own;               /* what they mean for a surface in space (curved.h) */
+    planish_options options;        /* those of the arguments, and what file and machine say */
     planish_file *file;
     planish_file_info file_info;
     planish_mesh mesh; /* its arrays are those of file, but for those that follow. It has cells

@@ -8,7 +8,6 @@
 
 #include "base/status.h"
 #include "geometry/cell.h"
-#include "report/drawn_triangles.h"
 
 #include <math.h>
 #include <stdlib.h>

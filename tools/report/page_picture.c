@@ -1,7 +1,8 @@
 /* page_picture: the picture of a page, its controls, and the script that draws it. */
-#include "report/page.h"
+#include "report/page_parts.h"
 
 #include "report/assets.h"
+#include "report/picture_take.h"
 
 int pl_page_can_draw(void) {
     return pl_asset_three_js.size > 0 && pl_asset_controls_js.size > 0;

@@ -1,5 +1,5 @@
 /* page_summary: what a page says first: what was done, whether the mesh is valid, and remarks. */
-#include "report/page.h"
+#include "report/page_parts.h"
 
 #include "job/layers.h"
 

@@ -1,5 +1,5 @@
 /* page_tables: what a page says of the mesh: its measures before and after. */
-#include "report/page.h"
+#include "report/page_parts.h"
 
 #include "job/held.h"
 

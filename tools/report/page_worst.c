@@ -1,5 +1,5 @@
 /* page_worst: where the worst elements of a mesh are. */
-#include "report/page.h"
+#include "report/page_parts.h"
 
 #include <math.h>
 

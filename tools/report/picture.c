@@ -1,7 +1,7 @@
 /* picture: takes what a page draws of a mesh. */
 #include "report/picture.h"
 
-#include "report/picture_state.h"
+#include "report/picture_take.h"
 #include "terminal/message.h"
 
 #include <math.h>
