@@ -46,8 +46,8 @@ typedef struct pl_columns {
     uint8_t *is_moved; /* [n_columns] 1: its wall was moved */
 } pl_columns;
 
-/** Find the columns of the marked elements of mesh, and of flat or inverted ones that go on from them.
- *  Errors: _MEMORY, _MESH. */
+/** Find the columns of the marked elements of mesh, and of flat or inverted ones that go on from them;
+ *  not the levels of simplices (levels.h). Errors: _MEMORY, _MESH. */
 int pl_columns_find(const planish_mesh *mesh, const uint8_t *is_layer, int threads, pl_columns *c,
                     planish_error *error);
 

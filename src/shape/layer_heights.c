@@ -4,6 +4,8 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "shape/heights.h"
+#include "shape/levels.h"
+#include "shape/upright_means.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -140,6 +142,8 @@ int pl_layer_heights_find(const planish_mesh *mesh, const uint8_t *is_layer, con
     pl_columns c;
     *found = (planish_layer_heights){.n_rows = 0};
     int status = pl_columns_find(mesh, is_layer, threads, &c, error);
+    if (!status)
+        status = pl_columns_find_levels(&c, error);
     if (!status)
         status = pl_columns_find_heights(&c, 0, error);
     if (!status)

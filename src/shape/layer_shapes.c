@@ -4,6 +4,8 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "shape/heights.h"
+#include "shape/levels.h"
+#include "shape/upright_means.h"
 
 #include <math.h>
 #include <string.h>
@@ -218,6 +220,8 @@ int pl_layer_shapes_find(const planish_mesh *mesh, const uint8_t *is_layer, int 
         return pl_fail_memory(error, "the shapes of layers");
     memset(shapes->place, -1, (size_t)mesh->cells->n * sizeof *shapes->place);
     int status = pl_columns_find(mesh, is_layer, threads, &s.columns, error);
+    if (!status)
+        status = pl_columns_find_levels(&s.columns, error);
     if (!status)
         status = pl_columns_find_heights(&s.columns, 1, error);
     if (!status)

@@ -231,7 +231,7 @@ int pl_run_end(pl_run *run, planish_error *error) {
     r->n_inverted =
         (int64_t)(run->sums.inverted + run->sums_of_fixed.inverted) - run->watch.n_turned;
     r->rms = pl_rms_of_all(&run->sums);
-    r->rms_movable = pl_rms_of_movable(&run->sums);
+    r->rms_movable = pl_run_rms_of_movable(run, &run->sums);
     r->min_volume = run->guard.min_volume;
     r->n_below_min_volume = (int64_t)(run->sums.below + run->sums_of_fixed.below);
     r->n_held_outside = run->guard.held_outside;

@@ -12,6 +12,7 @@
 #include <float.h>
 #include <inttypes.h>
 #include <math.h>
+#include <string.h>
 
 enum { CHUNK_NODES = 4096 };
 
@@ -57,8 +58,8 @@ typedef struct bounding {
     double *lower, *upper, *start, *radius; /* by inner numbers */
     uint8_t *is_edge; /* [ring] of visits 1: an edge of a cell leads there; NULL: one always does */
     uint8_t *group;   /* likewise: of nodes that move together, and LEFT_ALONE */
-    uint8_t *mobility;
-    int64_t held, left_alone; /* shared */
+    uint8_t *mobility, *is_held; /* of pl_guard */
+    int64_t held, left_alone;    /* shared */
 } bounding;
 
 enum { GROUPED = 1, LEFT_ALONE = 2 }; /* bits */
@@ -245,6 +246,37 @@ static void bound_leaders(const bounding *w) {
     }
 }
 
+static void mark_held_cells(void *context, int64_t begin, int64_t end, int thread) {
+    const bounding *w = context;
+    const pl_view *mesh = &w->plan->work;
+    const int n = mesh->dim + 1;
+    (void)thread;
+    for (int64_t cell = begin; cell < end; cell++) {
+        const int64_t first = pl_first_of_cell(mesh, cell), last = pl_first_of_cell(mesh, cell + 1);
+        int moves = 0, is_movable = 0;
+        for (int64_t i = first; i < last; i++) {
+            moves |= pl_any_moves(w->mobility, mesh->elements + i * n, n);
+            is_movable |= pl_any_moves(mesh->mobility, mesh->elements + i * n, n);
+        }
+        memset(w->is_held + first, is_movable && !moves, (size_t)(last - first));
+    }
+}
+
+/** Mark the elements whose movable nodes are all held, if a node is held in any process. 0 without
+ *  memory. */
+static int find_held_elements(bounding *w, pl_guard *guard) {
+    const pl_view *mesh = &w->plan->work;
+    int is_held = 0;
+    for (int64_t i = 0; w->mobility && i < mesh->n_nodes; i++)
+        is_held |= mesh->mobility[i] && !w->mobility[i];
+    if (!pl_parts_any(is_held))
+        return 1;
+    guard->is_held = w->is_held = pl_alloc_zero(mesh->n_elements, sizeof *w->is_held);
+    if (w->is_held && w->mobility)
+        pl_parallel_for(w->plan->threads, pl_view_cells(mesh), CHUNK_NODES, mark_held_cells, w);
+    return w->is_held != NULL;
+}
+
 static int make_bounds(const planish_plan *plan, const planish_options *options,
                        const double *coordinates, pl_guard *guard, planish_error *error) {
     const int64_t values = plan->work.n_nodes * plan->dim;
@@ -288,6 +320,7 @@ static int make_bounds(const planish_plan *plan, const planish_options *options,
     guard->held_outside = w.held;
     bound_leaders(&w);
     pl_free(w.group);
+    memory = find_held_elements(&w, guard) && memory;
     return memory ? PLANISH_OK : pl_fail_memory(error, "the bounds of the nodes");
 }
 
@@ -357,6 +390,7 @@ void pl_guard_destroy(pl_guard *guard) {
     pl_free((void *)guard->star.start);
     pl_free((void *)guard->star.radius);
     pl_free(guard->mobility);
-    guard->mobility = NULL;
+    pl_free(guard->is_held);
+    guard->mobility = guard->is_held = NULL;
     guard->star.lower = guard->star.upper = guard->star.start = guard->star.radius = NULL;
 }

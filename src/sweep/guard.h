@@ -16,7 +16,9 @@ typedef struct pl_guard {
     pl_star_guard star;
     double min_volume; /* delta */
     uint8_t
-        *mobility; /* [n] of the plan's mesh: the plan's, but for held ones; or NULL: the same */
+        *mobility;    /* [n] of the plan's mesh: the plan's, but for held ones; or NULL: the same */
+    uint8_t *is_held; /* [m] of that mesh, 1: the element has movable nodes, and all are held; with
+                         corners so is their cell; NULL: nothing is held, in no process */
     int64_t held_outside;
 } pl_guard;
 

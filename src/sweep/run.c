@@ -84,6 +84,24 @@ static void sum_up(const pl_run *r, const pl_view *mesh, const double *x, pl_obj
                                 .inverted = (double)plain.inverted};
 }
 
+double pl_run_rms_of_movable(const pl_run *r, const pl_objective_sums *sums) {
+    return pl_rms(sums->ratio[1] + r->ratio_of_held, sums->n[1] + r->n_of_held);
+}
+
+/** Sum over the elements whose nodes are held. They do not change, but for sizes that are fitted to
+ *  the mesh. */
+static void measure_held(pl_run *r) {
+    pl_objective_problem problem = pl_run_objective_problem(r);
+    pl_objective_sums sums;
+    if (!r->guard.is_held || (r->knows_held && !r->plan->sizes))
+        return;
+    problem.mesh.is_movable = r->guard.is_held;
+    pl_sum_objective(&problem, &sums);
+    r->ratio_of_held = sums.ratio[1];
+    r->n_of_held = sums.n[1];
+    r->knows_held = 1;
+}
+
 void pl_run_measure(pl_run *r) {
     const planish_plan *plan = r->plan;
     const pl_objective_problem problem = pl_run_objective_problem(r);
@@ -92,6 +110,7 @@ void pl_run_measure(pl_run *r) {
     r->sums.inside = (double)pl_watch_measure(&r->watch);
     r->sums.inverted += r->sums.inside;
     r->measured_sum = r->sums.ratio[1];
+    measure_held(r);
     if (plan->all == &plan->work)
         return;
     r->sums.ratio[0] = r->sums_of_fixed.ratio[0];
@@ -123,7 +142,7 @@ static planish_progress progress_of(const pl_run *r, int colour, int64_t visits)
         .colour = colour,
         .n_colours = pl_plan_colours(r->plan),
         .rms = pl_rms_of_all(seen),
-        .rms_movable = pl_rms_of_movable(seen),
+        .rms_movable = pl_run_rms_of_movable(r, seen),
         .objective = pl_objective_of_all(r->options, seen),
         .n_inverted = (int64_t)(seen->inverted + r->sums_of_fixed.inverted),
         .n_below_min_volume = (int64_t)(seen->below + r->sums_of_fixed.below),

@@ -1,6 +1,7 @@
 /* run: one call of planish_smooth: its mesh, the mesh quality, its sweeps, trials.
  *
  *   pl_run_measure, _measure_fixed             measure the mesh; the rest of it
+ *   pl_run_rms_of_movable                      the RMS of movable elements, also held ones
  *   pl_run_objective, _worst_limits            F; the worst element's measures, as limits
  *   pl_run_excess                              by how much the RMS can fall
  *   pl_run_blunt, pl_run_is_within             ratios without sharp angles; sums against limits
@@ -56,8 +57,11 @@ typedef struct pl_run {
     pl_objective_sums sums; /* as measured last; ratio[1] with the improvement by the sweeps since;
                                of a plain run of simplices without radius, volume, shortfall and
                                domain */
-    double measured_sum;    /* the sum that is tracked, as measured last */
-    double factor;          /* from a star's function to F, of the last sweep's weights */
+    double ratio_of_held, n_of_held; /* sum of AR^2, or RR^2, of the valid elements whose movable
+                                        nodes are all held, and their number: in sums they are of [0] */
+    int knows_held;                  /* they are summed up */
+    double measured_sum;             /* the sum that is tracked, as measured last */
+    double factor;                   /* from a star's function to F, of the last sweep's weights */
     const struct pl_trial
         *shown;          /* not NULL: the sweeps are a trial, and the mesh before it stands */
     int64_t improved;    /* stars that the last sweep improved by more than a hundredth */
@@ -88,6 +92,9 @@ void pl_run_measure(pl_run *r);
 /** Measure the rest of the mesh, whose scaled coordinates are all [.][dim]: sums_of_fixed. inverted
  *  and below are then those of all elements: the caller takes off those in the plan's subset. */
 void pl_run_measure_fixed(pl_run *r, const double *all);
+
+/** Return the RMS of sums over the elements with a movable node, also where this run holds the node. */
+double pl_run_rms_of_movable(const pl_run *r, const pl_objective_sums *sums);
 
 /** Return F of all elements, as measured or tracked last. */
 double pl_run_objective(const pl_run *r);

@@ -137,6 +137,18 @@ static int check_bounds(const test_mesh *mesh, const planish_options *options, c
     return reached;
 }
 
+/** The RMS of the elements with a movable node is that of a measure, though bounds hold nodes. */
+static void check_rms_of_movable(const planish_mesh *mesh, const planish_options *options,
+                                 const test_run *s) {
+    planish_plan *plan;
+    planish_quality quality;
+    assert_int_equal(planish_plan_create(mesh, options, &plan, NULL), 0);
+    assert_int_equal(planish_measure(plan, s->coordinates, &quality, NULL), 0);
+    assert_true(fabs(quality.rms_radius_ratio_movable - s->result.rms_movable) <=
+                1e-9 * quality.rms_radius_ratio_movable);
+    planish_plan_destroy(plan);
+}
+
 static void bounds_are_kept(void **state) {
     int dim = *(int *)*state;
     for (int kind = BOX; kind < BOUNDS; kind++) {
@@ -154,6 +166,8 @@ static void bounds_are_kept(void **state) {
             options.min_volume = i % 3 ? 0 : 0.5 * test_regular_volume(dim);
             s = test_smooth(&mesh.mesh, &options);
             reached += check_bounds(&mesh, &options, &s);
+            if (options.objective == PLANISH_OBJECTIVE_RADIUS_RATIO)
+                check_rms_of_movable(&mesh.mesh, &options, &s);
             release_bounds(&b);
             free(s.coordinates);
             test_mesh_destroy(&mesh);

@@ -80,7 +80,7 @@ static void select_nodes(const promise *p, const double *x, uint8_t *selected) {
         spread(&p->call->dense, o->rings, selected);
     } else if (o->only_worse_than > 0) {
         const worth_problem problem = {
-            .mesh = &p->call->dense, .sign = p->sign, .is_movable = selected};
+            .mesh = &p->call->dense, .sign = p->sign, .is_movable = selected, .moves = selected};
         const int tangled = worth_of(&problem, x).inverted > 0;
         select_bad(p, x, selected);
         spread(&p->call->dense, tangled && o->rings < AROUND_TANGLES ? AROUND_TANGLES : o->rings,

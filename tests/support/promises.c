@@ -30,8 +30,9 @@ typedef struct trial {
     double ulp; /* what coordinates are rounded by */
     worth was, is;
     worth_problem problem;
-    uint8_t *is_movable; /* [n_nodes] owned: that planish may have moved */
-    int is_sure;         /* that it calls free or sliding */
+    uint8_t *is_movable; /* [n_nodes] owned: that planish calls free or sliding */
+    uint8_t *moves;      /* [n_nodes] owned: that it may have moved */
+    int is_sure;         /* about is_movable */
 } trial;
 
 static int has_moved(const trial *t, int64_t node) {
@@ -92,7 +93,7 @@ static int check_moved(const trial *t, int64_t node) {
     const planish_options *o = t->options;
     const int kind = t->mesh->constraint ? t->mesh->constraint[node] : PLANISH_CONSTRAINT_FREE;
     double square = 0;
-    if (!t->is_movable[node] || !t->p->may_move[node])
+    if (!t->moves[node] || !t->p->may_move[node])
         return promise_break(t->p, "node %lld moved, but must not", (long long)node);
     for (int d = 0; d < dim; d++) {
         const double way = t->after[node * dim + d] - t->before[node * dim + d];
@@ -312,7 +313,8 @@ static void find_movable_now(trial *t) {
                        (o->lower && x < o->lower[i * dim + d]) ||
                        (o->upper && x > o->upper[i * dim + d]);
         }
-        t->is_movable[i] = (slides || t->p->is_free[i]) && !outside;
+        t->is_movable[i] = slides || t->p->is_free[i];
+        t->moves[i] = t->is_movable[i] && !outside;
         t->is_sure &= !t->mesh->constraint || t->mesh->constraint[i] < PLANISH_CONSTRAINT_ON_PLANE;
     }
 }
@@ -326,7 +328,8 @@ const char *promise_broken(promise *p, const planish_options *options, const dou
                .after = after,
                .result = result};
     t.is_movable = malloc((size_t)t.mesh->n_nodes + 1);
-    if (!t.is_movable)
+    t.moves = malloc((size_t)t.mesh->n_nodes + 1);
+    if (!t.is_movable || !t.moves)
         abort();
     find_movable_now(&t);
     t.ulp = largest_coordinate(&t) * DBL_EPSILON;
@@ -338,6 +341,7 @@ const char *promise_broken(promise *p, const planish_options *options, const dou
                                 .sign = p->sign,
                                 .is_known = p->is_known,
                                 .is_movable = t.is_movable,
+                                .moves = t.moves,
                                 .objective = options->objective,
                                 .area_weight = options->area_weight,
                                 .min_volume = options->min_volume};
@@ -350,5 +354,6 @@ const char *promise_broken(promise *p, const planish_options *options, const dou
     if (check_nodes(&t) && p->n_doubtful == 0 && check_elements(&t) && check_result(&t))
         check_looks(&t);
     free(t.is_movable);
+    free(t.moves);
     return p->text[0] ? p->text : NULL;
 }

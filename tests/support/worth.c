@@ -169,11 +169,12 @@ real worth_volume(const worth_problem *p, const double *coordinates, int64_t ele
 
 /* ---- the mesh ------------------------------------------------------------------------------ */
 
-static int is_movable(const worth_problem *p, int64_t element) {
-    int movable = 0;
+/** Whether the element has one of the nodes that are marked. */
+static int has_one(const worth_problem *p, const uint8_t *marked, int64_t element) {
+    int has = 0;
     for (int j = 0; j <= p->mesh->dim; j++)
-        movable |= p->is_movable[p->mesh->elements[element * (p->mesh->dim + 1) + j]];
-    return movable;
+        has |= marked[p->mesh->elements[element * (p->mesh->dim + 1) + j]];
+    return has;
 }
 
 /** Sums over the valid elements. */
@@ -212,11 +213,13 @@ static void add_valid(const worth_problem *p, int64_t element, const shape *s, s
     sum->square_g += g * g;
     sum->loss_g += g * g * loss;
     w->smallest = sum->n == 1 ? v : fminl(w->smallest, v);
-    if (!is_movable(p, element))
+    if (has_one(p, p->is_movable, element)) {
+        sum->n_movable++;
+        sum->square_movable += aspect * aspect;
+        sum->loss_movable += aspect * aspect * loss;
+    }
+    if (!has_one(p, p->moves, element))
         return;
-    sum->n_movable++;
-    sum->square_movable += aspect * aspect;
-    sum->loss_movable += aspect * aspect * loss;
     w->worst = fmaxl(w->worst, ratio);
     w->smallest_angle = fminl(w->smallest_angle, smallest_angle(s));
 }

@@ -12,7 +12,8 @@ typedef struct worth_problem {
     const planish_mesh *mesh;  /* dense, of 32 bits; its coordinates are not looked at */
     const int8_t *sign;        /* [n_elements] times the measure is positive in a valid mesh */
     const uint8_t *is_known;   /* [n_elements] what is measured, or NULL: all */
-    const uint8_t *is_movable; /* [n_nodes] nodes that may have moved */
+    const uint8_t *is_movable; /* [n_nodes] nodes that are free or slide */
+    const uint8_t *moves;      /* [n_nodes] those of them that may have moved */
     planish_objective objective;
     double area_weight;
     double min_volume; /* of elements without their own; 0: none */

@@ -6,19 +6,15 @@
  *     pl_cells_measure_values     other values of elements
  *     pl_cells_convert            a copy for viewing, with their measures
  *     pl_cells_rounding           how far off rounding takes nodes
- *     pl_cells_count              their number by type, as text
- *     pl_cells_have_types         whether some are no simplices
- *     pl_cells_are_flat           whether all have two dimensions
  *     pl_cells_find_states        planish_cell_state of each
- *     pl_cell_type_name           name of a type
- *     pl_cell_corners, pl_cell_is_simplex   what a type has
  *
  * Functions that return an int return 0, or an exit status after a message.
  */
 #ifndef PL_TOOLS_CELLS_H
 #define PL_TOOLS_CELLS_H
 
-#include "job/job.h"
+#include "job/cell_types.h"
+#include "job/job_state.h"
 
 /** Quality of the elements of every type. */
 typedef struct pl_cells {
@@ -80,27 +76,5 @@ double pl_cells_rounding(const pl_job *job);
 
 /** Free what cells owns; the quality stays. The file may be closed afterwards. */
 void pl_cells_free(pl_cells *cells);
-
-/** Number of corners of an element of a type of two or three dimensions. */
-int pl_cell_corners(planish_cell_type type);
-
-/** Whether a type is a triangle or tetrahedron, of any order. */
-int pl_cell_is_simplex(planish_cell_type type);
-
-/** Whether cells have elements of dimension dim that are smoothed and no simplices: ratios are
- *  aspect ratios then. */
-int pl_cells_have_types(const planish_cells *cells, int dim);
-
-/** Whether all cells are elements of two dimensions. */
-int pl_cells_are_flat(const planish_cells *cells);
-
-/** Name of a type of two or three dimensions in tables and reports: "hexahedron", "hexahedron20". */
-const char *pl_cell_type_name(planish_cell_type type);
-
-/** Put n elements of a type into text: "1 hexahedron", "12 quadratic hexahedra". */
-void pl_cell_type_count(planish_cell_type type, int64_t n, char *text, size_t size);
-
-/** Put the numbers of the elements by type into text: "703 tetrahedra, 560 hexahedra". */
-void pl_cells_count(const planish_cells *cells, char *text, size_t size);
 
 #endif

@@ -3,7 +3,8 @@
 #include "job/curved.h"
 #include "options/combinations.h"
 
-#include "job/cells.h"
+#include "job/cell_types.h"
+#include "job/engine.h"
 #include "job/same.h"
 #include "terminal/message.h"
 

@@ -14,7 +14,7 @@
 #ifndef PL_TOOLS_CURVED_H
 #define PL_TOOLS_CURVED_H
 
-#include "job/job.h"
+#include "job/job_state.h"
 
 #include <stdio.h>
 

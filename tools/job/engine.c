@@ -1,7 +1,7 @@
 /* engine: the work in this process: by a plan, and on a surface in space by its shape. */
 #include "job/engine.h"
 
-#include "job/job.h"
+#include "job/job_state.h"
 
 #include "base/parallel.h"
 #include "base/status.h"

@@ -145,34 +145,47 @@ static const char *compared_with(const pl_job *job, const pl_heights *heights) {
                                     : "those before";
 }
 
-void pl_heights_put(FILE *stream, const pl_job *job, const pl_heights *heights) {
-    const planish_layer_heights *of = &heights->of;
-    const int is_run = job->arguments->command != PL_COMMAND_QUALITY;
+/** Say by how much heights are off. */
+static void put_off(FILE *stream, const pl_job *job, const pl_heights *heights) {
     char all[80], first[80], median[32], text[400];
-    if (!heights->is_known || (!is_run && !is_like(job) && of->n_told == 0))
-        return;
-    put_row(&of->all, all, sizeof all);
-    put_row(&of->row[0], first, sizeof first);
-    put_change(of->all.median, median, sizeof median);
+    put_row(&heights->of.all, all, sizeof all);
+    put_row(&heights->of.row[0], first, sizeof first);
+    put_change(heights->of.all.median, median, sizeof median);
     snprintf(text, sizeof text, "heights of layers: %s off %s, median %s; first row %s", all,
              compared_with(job, heights), median, first);
     pl_terminal_wrap(stream, text);
-    if (job->wanted.n_held > 0) {
-        snprintf(text, sizeof text,
-                 "%" PRId64 " %s held, as heights would change by more than %.0f %%.",
-                 job->wanted.n_held,
-                 job->wanted.n_held == 1 ? "node of layers is" : "nodes of layers are", 100 * MUCH);
-        pl_terminal_wrap(stream, text);
-    }
-    if (of->n_told == 0)
-        return;
-    put_row(&of->reference, all, sizeof all);
+}
+
+/** Say how many nodes are held for their heights. */
+static void put_held(FILE *stream, int64_t n) {
+    char text[400];
+    snprintf(text, sizeof text,
+             "%" PRId64 " %s held, as heights would change by more than %.0f %%.", n,
+             n == 1 ? "node of layers is" : "nodes of layers are", 100 * MUCH);
+    pl_terminal_wrap(stream, text);
+}
+
+/** Say how many heights the rows inside tell. */
+static void put_told(FILE *stream, const pl_job *job, const planish_layer_heights *of) {
+    char reference[80], text[400];
+    put_row(&of->reference, reference, sizeof reference);
     snprintf(text, sizeof text,
              "A wall was moved: %" PRId64 " of %" PRId64
              " heights are told by the rows inside; %s they were %s off.",
-             of->n_told, of->all.n, is_like(job) ? "in that mesh" : "before", all);
-    if (is_run || is_like(job))
-        pl_terminal_wrap(stream, text);
+             of->n_told, of->all.n, is_like(job) ? "in that mesh" : "before", reference);
+    pl_terminal_wrap(stream, text);
+}
+
+void pl_heights_put(FILE *stream, const pl_job *job, const pl_heights *heights) {
+    const int64_t n_told = heights->of.n_told;
+    const int is_asked = job->arguments->command != PL_COMMAND_QUALITY || is_like(job);
+    if (!heights->is_known || (!is_asked && n_told == 0))
+        return;
+    put_off(stream, job, heights);
+    if (job->wanted.n_held > 0)
+        put_held(stream, job->wanted.n_held);
+    if (n_told > 0 && is_asked)
+        put_told(stream, job, &heights->of);
 }
 
 /** Find the row that is off most: by how much, and its number *row from 1. */

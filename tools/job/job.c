@@ -18,60 +18,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *const *pl_job_region_arrays(const pl_job *job) {
-    return planish_file_region_arrays(job->arguments->ignore_regions ? NULL : job->file);
-}
-
-int pl_job_element_dim(const pl_job *job) {
-    return job->is_surface ? 2 : job->mesh.dim;
-}
-
-const int32_t *pl_job_corners(const pl_job *job, int64_t element, int *n) {
-    const planish_cells *cells = job->mesh.cells;
-    *n = job->mesh.dim + 1;
-    if (!cells)
-        return job->mesh.elements + element * *n;
-    *n = pl_cell_corners((planish_cell_type)cells->type[element]);
-    return cells->node + cells->offset[element];
-}
-
-int64_t pl_job_element_number(const pl_job *job, int64_t element) {
-    return job->file ? planish_file_element_number(job->file, element) : element;
-}
-
-/** Whether the error is an element with the same node at two corners. */
-static int is_collapsed(const pl_job *job, const planish_error *error) {
-    if (error->code != PLANISH_ERROR_MESH || !job->file || error->element < 0 ||
-        error->element >= job->mesh.n_elements)
-        return 0;
-    int n_corners, n = 0;
-    const int32_t *corner = pl_job_corners(job, error->element, &n_corners);
-    for (int i = 0; i < n_corners; i++)
-        n += corner[i] == error->node;
-    return n > 1;
-}
-
-int pl_job_complain(const pl_job *job, int status, const planish_error *error) {
-    const char *input = job->arguments->input;
-    char where[64] = "";
-    /* The library's text has its own numbers. */
-    if (is_collapsed(job, error))
-        return pl_complain(status,
-                           "%s: element %" PRId64 " has node %" PRId64
-                           " twice; remove the collapsed element",
-                           input, planish_file_element_number(job->file, error->element),
-                           planish_file_node_number(job->file, error->node));
-    if (error->element >= 0 && job->file)
-        snprintf(where, sizeof where, " (element %" PRId64 " of the file)",
-                 planish_file_element_number(job->file, error->element));
-    else if (error->node >= 0 && job->file)
-        snprintf(where, sizeof where, " (node %" PRId64 " of the file)",
-                 planish_file_node_number(job->file, error->node));
-    if (error->code == PLANISH_ERROR_FILE || error->code == PLANISH_ERROR_FORMAT)
-        return pl_complain(status, "%s", error->text);
-    return pl_complain(status, "%s: %s%s", input, error->text, where);
-}
-
 /** Complain as pl_job_complain, but of the command line if an argument is wrong. */
 static int complain_of_arguments(const pl_job *job, const planish_error *error) {
     if (error->code == PLANISH_ERROR_ARGUMENT)
@@ -79,27 +25,7 @@ static int complain_of_arguments(const pl_job *job, const planish_error *error) 
     return pl_job_complain(job, PL_EXIT_FAILED, error);
 }
 
-int pl_job_complain_memory(const pl_job *job, const char *of) {
-    return pl_complain(PL_EXIT_FAILED,
-                       "%s: out of memory for %s (%" PRId64 " elements, %" PRId64 " nodes)",
-                       job->arguments->input, of, job->mesh.n_elements, job->mesh.n_nodes);
-}
-
 /* ---- reading -------------------------------------------------------------------------------- */
-
-static planish_hold hold_of(const pl_arguments *arguments, int slide, int ignore_marked) {
-    return (planish_hold){.tags = arguments->fix,
-                          .n_tags = arguments->n_fix,
-                          .ignore_regions = arguments->ignore_regions,
-                          .ignore_marked = ignore_marked,
-                          .slide = slide,
-                          .slide_tags = arguments->slide_tag,
-                          .n_slide_tags = arguments->n_slide_tags};
-}
-
-planish_hold pl_job_hold(const pl_job *job) {
-    return hold_of(job->arguments, 0, 0);
-}
 
 /** Fill constraint with what the file and hold say. */
 static int find_held(const pl_job *job, const planish_hold *hold, uint8_t *constraint) {
@@ -536,7 +462,8 @@ static int find_constraints(pl_job *job) {
     if (!job->constraint)
         return pl_job_complain_memory(job, "values of nodes");
     job->mesh.constraint = job->constraint;
-    const planish_hold hold = hold_of(arguments, arguments->slide, 0);
+    planish_hold hold = pl_job_hold(job);
+    hold.slide = arguments->slide;
     if ((status = find_held(job, &hold, job->constraint)))
         return status;
     if ((status = find_held_layers(job)))
@@ -586,7 +513,9 @@ int pl_job_read(pl_job *job, const pl_arguments *arguments, const pl_engine *eng
  *  planish_surface. */
 static int find_unheld(const pl_job *job, int ignore_marked, const uint8_t *is_inside,
                        uint8_t *constraint, double *direction) {
-    const planish_hold hold = hold_of(job->arguments, 1, ignore_marked);
+    planish_hold hold = pl_job_hold(job);
+    hold.slide = 1;
+    hold.ignore_marked = ignore_marked;
     planish_error error;
     planish_mesh mesh = job->mesh;
     planish_surface surface = planish_file_surface(job->file, &hold);

@@ -1,6 +1,7 @@
 /* valid_ratios: ratios of a mesh by corners, without the elements that are inverted inside. */
 #include "job/valid_ratios.h"
 
+#include "job/job.h"
 #include "terminal/message.h"
 
 #include <math.h>

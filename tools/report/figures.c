@@ -1,6 +1,8 @@
 /* figures: what a page reads from the JSON of a run. */
 #include "report/figures.h"
 
+#include "base/system.h"
+
 #include <math.h>
 #include <string.h>
 #include <stddef.h>
@@ -125,4 +127,10 @@ int pl_figure_list(const cJSON *object, const char *key, double *number, int mos
         n++;
     }
     return n;
+}
+
+const char *pl_figures_input(const pl_figures *figures) {
+    const char *input = pl_figure_text(figures->result, "input");
+    const char *name = pl_path_name(input);
+    return name[0] ? name : input[0] ? input : "a mesh";
 }

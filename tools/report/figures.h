@@ -2,6 +2,7 @@
  * has no value: pages of reports that were made elsewhere are as complete as these.
  *
  *     pl_figures_find, _last, _simplices              the states of the mesh
+ *     pl_figures_input                                name of the input
  *     pl_figure, _count, _whole, _text, _list         values by their keys
  */
 #ifndef PL_REPORT_FIGURES_H
@@ -59,5 +60,8 @@ const char *pl_figure_text(const cJSON *object, const char *key);
 /** Numbers of the list that key of object is: up to most, NAN for those that are null. Returns how
  *  many the list has. */
 int pl_figure_list(const cJSON *object, const char *key, double *number, int most);
+
+/** Return the name of the input without its folder. */
+const char *pl_figures_input(const pl_figures *figures);
 
 #endif

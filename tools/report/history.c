@@ -2,7 +2,7 @@
 #include "report/history.h"
 
 #include "report/assets.h"
-#include "report/picture_state.h"
+#include "report/picture_take.h"
 #include "terminal/message.h"
 
 #include <stdlib.h>

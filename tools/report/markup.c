@@ -126,6 +126,14 @@ void pl_markup_put_percent(pl_markup *markup, double percent) {
         pl_markup_put_digits(markup, percent, 1);
 }
 
+void pl_markup_put_angle(pl_markup *markup, double degrees) {
+    const double wide = 179, hundredths = 100;
+    if (degrees > wide && degrees < 180)
+        pl_markup_put(markup, "%.2f", floor(hundredths * degrees) / hundredths);
+    else
+        pl_markup_put_real(markup, degrees);
+}
+
 void pl_markup_put_digits(pl_markup *markup, double value, int digits) {
     if (isfinite(value))
         pl_markup_put(markup, "%.*g", digits, value);

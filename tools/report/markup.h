@@ -2,7 +2,7 @@
  *
  *     pl_markup_put, _put_bytes, _put_base64             text as it is
  *     pl_markup_put_text                                 text that is escaped
- *     pl_markup_put_real, _digits, _percent, _count, _number_of    numbers as people read them
+ *     pl_markup_put_real, _digits, _percent, _angle, _count, _number_of    numbers as people read them
  */
 #ifndef PL_REPORT_MARKUP_H
 #define PL_REPORT_MARKUP_H
@@ -45,6 +45,9 @@ void pl_markup_put_number_of(pl_markup *markup, int64_t n, const char *one, cons
 
 /** Add a change in percent, with its sign and three significant digits. */
 void pl_markup_put_percent(pl_markup *markup, double percent);
+
+/** Add an angle in degrees; one of almost 180 is rounded down, as 180 would be flat. */
+void pl_markup_put_angle(pl_markup *markup, double degrees);
 
 /** Add an integer with thin spaces between groups of three digits; a negative one as 0. */
 void pl_markup_put_count(pl_markup *markup, int64_t value);

@@ -2,14 +2,11 @@
  * nothing else.
  *
  *     pl_report_draw, pl_reports_write, pl_page_write    the files (page.c)
- *     pl_page_put_*                                      the parts of a page (page_*.c)
  */
 #ifndef PL_REPORT_PAGE_H
 #define PL_REPORT_PAGE_H
 
-#include "report/figures.h"
-#include "report/markup.h"
-#include "report/picture.h"
+#include "report/page_parts.h"
 
 /** Take the mesh of job as it is now into the picture for the page, which is begun if *picture is
  *  NULL; nothing is done where no page is asked for, or this program draws none. name: as for
@@ -31,24 +28,5 @@ int pl_page_write(const char *path, const pl_figures *figures, const pl_picture 
  *  NULL. page->failed: out of memory. */
 void pl_page_make(pl_markup *page, const pl_figures *figures, const pl_picture *picture,
                   const char *no_picture);
-
-/** Whether this program has the library that draws pictures. */
-int pl_page_can_draw(void);
-
-/* ---- its parts ------------------------------------------------------------------------------ */
-
-/** page_tables.c: measures before and after, and the worst elements. */
-void pl_page_put_measures(pl_markup *page, const pl_figures *figures);
-void pl_page_put_worst(pl_markup *page, const pl_figures *figures);
-
-/** page_run.c: heights of layers, the surface, time and machine, and what is certified. */
-void pl_page_put_layers(pl_markup *page, const pl_figures *figures);
-void pl_page_put_surface(pl_markup *page, const pl_figures *figures);
-void pl_page_put_run(pl_markup *page, const pl_figures *figures);
-void pl_page_put_certificate(pl_markup *page, const pl_figures *figures);
-
-/** page_charts.c: histograms and how the smoothing converged. */
-void pl_page_put_histograms(pl_markup *page, const pl_figures *figures);
-void pl_page_put_convergence(pl_markup *page, const pl_figures *figures);
 
 #endif

@@ -1,6 +1,6 @@
 /* page_charts: the histograms of a page, and how the smoothing converged. */
 #include "report/chart.h"
-#include "report/page.h"
+#include "report/page_parts.h"
 
 #include <inttypes.h>
 #include <math.h>

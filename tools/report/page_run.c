@@ -1,5 +1,5 @@
 /* page_run: what a page says of the run: its time and machine, heights of layers, and what is certified. */
-#include "report/page.h"
+#include "report/page_parts.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,8 +1,7 @@
 /* picture: takes what a page draws of a mesh. */
 #include "report/picture.h"
 
-#include "report/bytes.h"
-#include "report/picture_state.h"
+#include "report/picture_take.h"
 #include "terminal/message.h"
 
 #include <math.h>
@@ -109,26 +108,6 @@ int pl_picture_take(pl_picture *picture, const pl_job *job, const char *name) {
     strncpy(to->name, name, sizeof to->name - 1);
     picture->n_states++;
     return pl_picture_take_whole(picture, job, to);
-}
-
-double pl_picture_start(const pl_picture *picture) {
-    enum { FEW = 10 };
-    const double usual = 3;
-    double worst = 1, start = 1;
-    for (int i = 0; i < picture->n_states; i++) {
-        const pl_drawn_state *s = &picture->states[i];
-        const double first = s->n_bad > 0 ? pl_bytes_get_float(s->bad_ratio) : 1;
-        double ratio = first;
-        if (!(first > 0) || first > usual)
-            return usual;
-        for (int64_t k = FEW; k < s->n_bad && ratio == first; k++)
-            ratio = pl_bytes_get_float(s->bad_ratio + 4 * k);
-        if (first > worst) {
-            worst = first;
-            start = ratio < first ? ratio : 1;
-        }
-    }
-    return start;
 }
 
 /* ---- questions ------------------------------------------------------------------------------ */

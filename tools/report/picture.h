@@ -14,8 +14,6 @@
 #include "job/job.h"
 #include "report/markup.h"
 
-enum { PL_PICTURE_MOST_STATES = 2 };
-
 typedef struct pl_picture pl_picture;
 
 /** Begin a picture of the mesh of job (which has a plan, or job->has_types): find what is to be
@@ -42,9 +40,6 @@ const char *pl_picture_state_name(const pl_picture *picture, int i);
 
 /** How many states between these the picture shows, of *n_sweeps sweeps (history.h). */
 int pl_picture_n_steps(const pl_picture *picture, int *n_sweeps);
-
-/** How many bad elements each of them has; 0: all elements. */
-int64_t pl_picture_brief_bad(const pl_picture *picture);
 
 /** Add what the viewer draws, as JSON. */
 void pl_picture_put(pl_markup *page, const pl_picture *picture);

@@ -1,7 +1,8 @@
 /* picture_data: a picture as JSON for the viewer (viewer/data.js). All numbers of arrays are little-endian,
  * in base64. */
 #include "report/bytes.h"
-#include "report/picture_state.h"
+#include "report/picture.h"
+#include "report/picture_start.h"
 
 #include <inttypes.h>
 #include <math.h>

@@ -9,7 +9,6 @@
 #include "report/drawn_inside.h"
 #include "report/drawn_surface.h"
 #include "report/drawn_values.h"
-#include "report/picture.h"
 
 /* Places on each side of the box, for points. */
 enum { PL_PICTURE_PLACES = 65535 };
@@ -32,7 +31,9 @@ typedef struct pl_drawn_state {
     uint8_t *cube;        /* and [n_measures][grid.n_cells], or NULL */
 } pl_drawn_state;
 
-struct pl_picture {
+enum { PL_PICTURE_MOST_STATES = 2 };
+
+typedef struct pl_picture {
     int dim;
     int is_surface; /* of flat elements in space */
     int has_types;  /* elements are not all simplices: ratios are aspect ratios */
@@ -56,15 +57,7 @@ struct pl_picture {
     int n_states;
     pl_drawn_state *step;  /* [n_steps] between the two states, owned, */
     int n_steps, n_sweeps; /* of so many sweeps */
-};
-
-/** Take the mesh of job as it is now, for a picture of it that has begun. state, which is to be freed also after
- *  a failure, is all 0 but for its name. Returns 0, or an exit status after a message. */
-int pl_picture_take_whole(const pl_picture *picture, const pl_job *job, pl_drawn_state *state);
-
-/** Take less, for one of many states: where all solid elements are drawn inside, they are without bad ones
- *  apart; else there are fewer bad elements, nothing inside, and no cubes. As pl_picture_take_whole. */
-int pl_picture_take_brief(const pl_picture *picture, const pl_job *job, pl_drawn_state *state);
+} pl_picture;
 
 /** Free the arrays of a state. */
 void pl_drawn_state_free(pl_drawn_state *state);
@@ -73,8 +66,5 @@ void pl_drawn_state_free(pl_drawn_state *state);
  *  (picture_data.c). */
 int64_t pl_picture_length(const pl_picture *picture);
 int64_t pl_picture_step_length(const pl_picture *picture, const pl_drawn_state *step);
-/** Return the ratio beyond which elements inside are drawn at first: a usual one, or less so that a few of
- *  the worst are seen. */
-double pl_picture_start(const pl_picture *picture);
 
 #endif

@@ -1,6 +1,7 @@
 /* picture_still: a state of a picture as a still one, for pages without WebGL. */
 #include "report/bytes.h"
-#include "report/picture_state.h"
+#include "report/picture.h"
+#include "report/picture_start.h"
 #include "report/still.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* picture_take: takes the mesh as it is now, for a picture: places, and codes of measures. */
 #include "report/bytes.h"
-#include "report/picture_state.h"
+#include "report/picture_take.h"
 
 #include "job/worst.h"
 #include "terminal/message.h"
