@@ -67,22 +67,22 @@ for kind in quads hexes prisms triangles tets; do
     expect_json 'r["target"] == "layers" and "like" not in r and r["mesh"]["layer_elements"] > 0'
     # No node of a layer is held but where its heights would change by more than a tenth.
     expect_json 'r["mesh"]["held"]["layers"] <= r["layer_heights"]["held_nodes"] < r["mesh"]["free_nodes"] / 2'
-    expect_json '0.9 <= r["layer_heights"]["least"] and r["layer_heights"]["most"] <= 1.1'
+    expect_json '0.9 <= r["layer_heights"]["min"] and r["layer_heights"]["max"] <= 1.1'
     expect_json 'r["after"]["rms_aspect_ratio"] < r["before"]["rms_aspect_ratio"]'
     expect_json 'r["objective"]["name"] == "mean-ratio" and r["after"]["inverted"] == 0'
     worst=$(python3 heights.py $kind out-1.mesh 10)
     below "$worst" 0.1 || fail "$kind: heights $worst"
     # The heights that are told are those that are measured here.
     expect_json 'r["layer_heights"]["wanted"] == "before" and r["layer_heights"]["told_by_rows_inside"] == 0'
-    expect_json 'r["layer_heights"]["before"]["least"] == r["layer_heights"]["before"]["most"] == 1'
-    expect_json "abs(max(max(1 - h['least'], h['most'] - 1) for h in r['layer_heights']['rows'][:10]) - $worst) < 0.02"
+    expect_json 'r["layer_heights"]["before"]["min"] == r["layer_heights"]["before"]["max"] == 1'
+    expect_json "abs(max(max(1 - h['min'], h['max'] - 1) for h in r['layer_heights']['rows'][:10]) - $worst) < 0.02"
     grep -q "^heights of layers: .* off those before, median" out || fail "$kind: the table says the heights"
     ! grep -q "heights of layers are" err || fail "$kind: there is nothing to note: $(cat err)"
     expect_status 0 "$program" compare pushed.mesh out-1.mesh --json compared.json
     python3 - <<'END2' || fail "$kind: compare and smooth measure heights alike"
 import json
 a, b = (json.load(open(n))["layer_heights"] for n in ("report.json", "compared.json"))
-assert a["edges"] >= b["edges"] > 0 and abs(a["most"] - b["most"]) < 0.01, (a, b)
+assert a["edges"] >= b["edges"] > 0 and abs(a["max"] - b["max"]) < 0.01, (a, b)
 END2
     # A row without a height has the sign of all tables for what is not known.
     python3 - <<'END2' >unknown.json
@@ -105,8 +105,8 @@ END2
     expect_status 0 "$program" smooth moved.mesh -o out.mesh --layers keep --json report.json
     expect_json 'r["before"]["inverted"] > 0 and r["after"]["inverted"] == 0'
     below "$(python3 heights.py $kind out.mesh 5)" 0.1 || fail "$kind: first heights $(python3 heights.py $kind out.mesh 5)"
-    expect_json 'r["layer_heights"]["told_by_rows_inside"] > 0 and r["layer_heights"]["before"]["least"] < 0'
-    expect_json 'all(0.9 < h["least"] and h["most"] < 1.1 for h in r["layer_heights"]["rows"][:5])'
+    expect_json 'r["layer_heights"]["told_by_rows_inside"] > 0 and r["layer_heights"]["before"]["min"] < 0'
+    expect_json 'all(0.9 < h["min"] and h["max"] < 1.1 for h in r["layer_heights"]["rows"][:5])'
     grep -q "^A wall was moved: .* heights are told by the rows inside" out || fail "$kind: the table says that a wall was moved"
     # The same against the mesh before: it tells all heights.
     python3 make.py $kind 0 0 >start.mesh
@@ -114,7 +114,7 @@ END2
     expect_json 'r["layer_heights"]["wanted"] == "like" and r["layer_heights"]["told_by_rows_inside"] == 0'
     grep -q "off those in the mesh of --like" out || fail "$kind: the table says the heights with --like"
     "$program" quality out.mesh --like start.mesh --json report.json >out
-    expect_json 'all(0.9 < h["least"] and h["most"] < 1.1 for h in r["layer_heights"]["rows"][:5])'
+    expect_json 'all(0.9 < h["min"] and h["max"] < 1.1 for h in r["layer_heights"]["rows"][:5])'
 done
 
 # ---- without an option
@@ -166,7 +166,7 @@ for kind in triangles tets; do # layers of these have a note, as before
     expect_text "(a boundary layer?): --fix-layers keeps them"
     grep -q "^note: heights of layers are .* off those before, most in row .*: --layers keep, or --fix-layers, keeps them" err ||
         fail "$kind: heights that changed have a note: $(cat err)"
-    expect_json 'r["layer_heights"]["most"] > 1.1'
+    expect_json 'r["layer_heights"]["max"] > 1.1'
     # Ways to smooth are compared by the layers, and keeping them is one.
     expect_status 0 "$program" advise pushed.mesh
     grep -q "^All figures are against the layers of the mesh" out || fail "$kind: what figures are against"
@@ -203,7 +203,7 @@ expect_status 0 "$program" smooth mixed.mesh -o out.mesh --json report.json
 expect_json 'r["target"] == "layers" and r["mesh"]["kept_layer_elements"] == r["mesh"]["layer_elements"] > 1640'
 # What pulls at rows by more than a tenth of their heights is undone: the nodes there are held.
 expect_json '0 < r["mesh"]["held"]["layers"] <= r["layer_heights"]["held_nodes"] and r["mesh"]["free_nodes"] > 200'
-expect_json '0.9 <= r["layer_heights"]["least"] and r["layer_heights"]["most"] <= 1.1'
+expect_json '0.9 <= r["layer_heights"]["min"] and r["layer_heights"]["max"] <= 1.1'
 expect_json 'r["after"]["rms_aspect_ratio"] < r["before"]["rms_aspect_ratio"] and r["mesh"]["free_layer_elements"] == 0'
 expect_json 'r["after"]["max_aspect_ratio_movable"] <= r["before"]["max_aspect_ratio_movable"] * (1 + 1e-9)'
 grep -q "nodes of layers are held, as heights would change by more than 10 %" out || fail "the table says what is held"

@@ -91,7 +91,7 @@ for kind in quads triangles hexes tets; do
     expect_json 'r["target"] == "sizes" and r["sizes_of"] == "h" and r["objective"]["size_weight"] == 0.9'
     expect_json 'r["after"]["sizes"]["rms_log"] < 0.6 * r["before"]["sizes"]["rms_log"]'
     expect_json 'r["objective"]["after"] < r["objective"]["before"] and r["after"]["inverted"] == 0 and r["certified"]'
-    expect_json 'r["after"]["sizes"]["most"] < r["before"]["sizes"]["most"]'
+    expect_json 'r["after"]["sizes"]["max"] < r["before"]["sizes"]["max"]'
 done
 
 # ---- data of nodes is that of Medit's solution; data of elements is near to it; a weight is heeded

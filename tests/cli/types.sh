@@ -233,7 +233,7 @@ while read -r case; do
         [ $? -le $status ] || fail "$case, --slide $slide: $(cat err)"
         python3 "$cli/types_mesh.py" check second.vtk new.vtk report.json || fail "$case, --slide $slide, mids may move"
         expect_json "($status > 0) == (r['released_mids'] > 0 or r['after']['inverted'] > 0)"
-        expect_json "r['hopeless_curved'] == 0 or r['unfixable'] == r['inverted_inside']"
+        expect_json "r['infeasible_curved'] == 0 or r['unfixable'] == r['inverted_inside']"
     done
     for slide in none auto; do
         expect_status $status "$program" smooth second.vtk -o new.vtk --slide $slide --curve-quality 0 --json report.json --report new.html

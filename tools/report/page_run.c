@@ -97,7 +97,7 @@ void pl_page_put_run(pl_markup *page, const pl_figures *figures) {
 
 /** Put a row: by how much heights are off, in percent. */
 static void put_heights(pl_markup *page, const char *name, int number, const cJSON *of) {
-    static const char *const keys[] = {"least", "median", "most"};
+    static const char *const keys[] = {"min", "median", "max"};
     pl_markup_put(page, "<tr><th scope=\"row\">%s", name);
     if (number > 0)
         pl_markup_put(page, " %d", number);

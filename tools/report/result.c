@@ -159,9 +159,9 @@ static void add_target(pl_json *json, cJSON *root, const pl_job *job) {
 /** Add what heights of a row of a layer are, over those that are wanted. */
 static void add_layer_row(pl_json *json, cJSON *to, const planish_layer_row *row) {
     pl_json_integer(json, to, "edges", row->n);
-    pl_json_real(json, to, "least", row->min);
+    pl_json_real(json, to, "min", row->min);
     pl_json_real(json, to, "median", row->median);
-    pl_json_real(json, to, "most", row->max);
+    pl_json_real(json, to, "max", row->max);
 }
 
 /** Add the heights of layers, over those that are wanted; null: there are none, or nobody asked. */
@@ -293,7 +293,7 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
     if (result->validity_after.is_known) {
         pl_json_integer(&json, root, "refused_moves", result->smooth.n_refused);
         pl_json_integer(&json, root, "released_mids", result->smooth.n_released_mids);
-        pl_json_integer(&json, root, "hopeless_curved", result->smooth.n_infeasible_curved);
+        pl_json_integer(&json, root, "infeasible_curved", result->smooth.n_infeasible_curved);
         add_elements(&json, root, "inverted_inside", job, result->validity_after.state,
                      PL_INVERTED_INSIDE, NULL);
     }

@@ -122,8 +122,8 @@ static void add_sizes(pl_json *json, cJSON *quality, const pl_job *job,
     cJSON *to = pl_json_object(json, quality, "sizes");
     pl_json_real(json, to, "factor", sizes->factor);
     pl_json_real(json, to, "rms_log", sizes->rms_log);
-    pl_json_real(json, to, "least", sizes->min);
-    pl_json_real(json, to, "most", sizes->max);
+    pl_json_real(json, to, "min", sizes->min);
+    pl_json_real(json, to, "max", sizes->max);
     pl_json_known(json, to, "smallest_element",
                   sizes->smallest < 0 ? -1 : pl_job_element_number(job, sizes->smallest));
     pl_json_known(json, to, "largest_element",
