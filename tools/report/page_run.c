@@ -141,8 +141,9 @@ void pl_page_put_layers(pl_markup *page, const pl_figures *figures) {
         put_heights(page, is_like ? "all, there" : "all, before", 0,
                     cJSON_GetObjectItemCaseSensitive(heights, "before"));
     put_heights(page, "all", 0, heights);
-    cJSON_ArrayForEach(row, cJSON_GetObjectItemCaseSensitive(heights, "rows"))
+    cJSON_ArrayForEach(row, cJSON_GetObjectItemCaseSensitive(heights, "rows")) {
         put_heights(page, "row", ++number, row);
+    }
     pl_markup_put(page, "</tbody></table></div></section>\n");
 }
 
