@@ -397,16 +397,16 @@ static int has_node(const cell_box *box, int64_t i, int64_t node) {
 }
 
 /** Elements that fixed nodes make impossible are told as such, and why their nodes stay. */
-static void hopeless_elements_are_found(void **state) {
+static void infeasible_elements_are_found(void **state) {
     (void)state;
     for (int kind = 0; kind < N_BOX_KINDS; kind++) {
         cell_box *box = box_of(kind, 4, LINEAR, 0.05, 2);
         const int64_t n = box->cells.n, n_nodes = box->mesh.n_nodes;
         const planish_options options = defaults();
         uint8_t *fixed = calloc((size_t)n_nodes, 1), *is_free = malloc((size_t)n_nodes);
-        uint8_t *reason = malloc((size_t)n_nodes), *hopeless = malloc((size_t)n);
+        uint8_t *reason = malloc((size_t)n_nodes), *infeasible = malloc((size_t)n);
         double *ratio = malloc((size_t)n * sizeof *ratio);
-        int64_t node = 0, n_hopeless, n_found = 0;
+        int64_t node = 0, n_infeasible, n_found = 0;
         while (!is_inside(box, box->x, node))
             node++;
         for (int64_t i = 0; i < n; i++)
@@ -417,13 +417,14 @@ static void hopeless_elements_are_found(void **state) {
         planish_plan *plan = plan_of(box, &options);
         assert_int_equal(planish_measure_elements(plan, box->x, ratio, NULL), 0);
         assert_int_equal(
-            planish_find_infeasible(plan, box->x, &options, hopeless, &n_hopeless, NULL, NULL), 0);
+            planish_find_infeasible(plan, box->x, &options, infeasible, &n_infeasible, NULL, NULL),
+            0);
         for (int64_t i = 0; i < n; i++) {
-            n_found += hopeless[i];
-            assert_true(!hopeless[i] || (has_node(box, i, node) && ratio[i] == 0));
-            assert_true(hopeless[i] || ratio[i] > 0 || !has_node(box, i, node));
+            n_found += infeasible[i];
+            assert_true(!infeasible[i] || (has_node(box, i, node) && ratio[i] == 0));
+            assert_true(infeasible[i] || ratio[i] > 0 || !has_node(box, i, node));
         }
-        assert_true(n_found == n_hopeless && n_found > 0);
+        assert_true(n_found == n_infeasible && n_found > 0);
         planish_plan_get_free(plan, is_free);
         assert_int_equal(planish_plan_get_held(plan, box->x, reason, NULL), 0);
         for (int64_t i = 0; i < n_nodes; i++) {
@@ -439,7 +440,7 @@ static void hopeless_elements_are_found(void **state) {
         free(fixed);
         free(is_free);
         free(reason);
-        free(hopeless);
+        free(infeasible);
         free(ratio);
         planish_plan_destroy(plan);
         cell_box_destroy(box);
@@ -891,7 +892,7 @@ int main(void) {
         cmocka_unit_test(threads_and_kernels_change_no_bit),
         cmocka_unit_test(bounds_hold),
         cmocka_unit_test(minimum_volumes_are_met),
-        cmocka_unit_test(hopeless_elements_are_found),
+        cmocka_unit_test(infeasible_elements_are_found),
         cmocka_unit_test(only_bad_elements_move),
         cmocka_unit_test(worst_measures_are_checked),
         cmocka_unit_test(calls_stop_at_any_time),
