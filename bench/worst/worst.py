@@ -14,6 +14,7 @@ import sys
 import tempfile
 
 import limit
+import machine
 
 MEASURES = {"dihedral": "smallest angle", "radius-ratio": "largest RR"}
 
@@ -50,6 +51,7 @@ def row(build, mesh, measure, folder):
 
 def main():
     build, meshes = sys.argv[1], sys.argv[2:]
+    print(machine.line(machine.description()) + "\n")
     print("| mesh | measure | default run | worst | rise 10 | limit | rise of the RMS | with rise 10 "
           "| s, default run | s, worst | s, rise 10 |")
     print("| --- | --- " + "| --: " * 9 + "|")
