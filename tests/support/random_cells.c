@@ -2,6 +2,7 @@
 #include "support/random_cells.h"
 
 #include "support/effort.h"
+#include "support/random_surfaces.h"
 #include "support/shape_functions.h"
 
 #include <math.h>
@@ -45,6 +46,8 @@ const pairs_factor cells_factors[N_CELLS_FACTORS] = {
     [CELLS_RINGS] = {"rings", {2, 1, 1}},
     [CELLS_AROUND] = {"around", {6, 1}},
     [CELLS_PROGRESS] = {"progress", {3, 1}},
+    [CELLS_SURFACE] = {"surface", {5, 2, 1, 1}},
+    [CELLS_REGIONS] = {"regions", {5, 1, 1}},
 };
 
 static int is_chosen(uint64_t *state, double chance) {
@@ -157,6 +160,8 @@ static cell_box *box_of(const int *level, uint64_t *state, double **regular, int
                        level[CELLS_SHAKE] == 1 ? noise[of] * random_unit(state)
                                                : random_between(state, 0.2, 0.7),
                        random_bits(state));
+    if (level[CELLS_SURFACE])
+        cells_bulge(box->x, box->mesh.n_nodes, n, state);
     memcpy(result->x, box->x, (size_t)(*first * box->mesh.dim) * sizeof *box->x);
     for (int64_t i = 0; i < result->cells.n; i++)
         place_mids(result, i);
@@ -282,7 +287,6 @@ static void draw_mesh(cells_call *c, uint64_t *state) {
     bend(c, state);
     if (c->level[CELLS_TARGET] == TARGET_BOX || c->level[CELLS_TARGET] == TARGET_STRETCHED)
         draw_target(c, regular, state);
-    free(regular);
     if (c->level[CELLS_TORN] == 1)
         tear(c->box, state);
     if (c->level[CELLS_TORN] == 2)
@@ -290,6 +294,8 @@ static void draw_mesh(cells_call *c, uint64_t *state) {
     c->sign = zeroed(c->box->cells.n, 1);
     turn(c, state);
     put(c);
+    cells_draw_surface(c, regular);
+    free(regular);
 }
 
 /* ---- arrays ------------------------------------------------------------------------------------- */
@@ -314,13 +320,12 @@ static double scale_of(const cells_call *c) {
 static void draw_constraints(cells_call *c, uint64_t *state) {
     const int how = c->level[CELLS_CONSTRAINT], dim = c->given.dim;
     const int64_t n = c->given.n_nodes;
-    if (how == CELLS_FREE)
+    if (how == CELLS_FREE && !c->level[CELLS_SURFACE] && !c->level[CELLS_REGIONS])
         return;
     c->constraint = zeroed(n, 1);
     c->direction = zeroed(n * dim, sizeof *c->direction);
-    if ((how == CELLS_SLIDES || how == CELLS_SLIDES_FIXED) &&
-        planish_find_slides(&c->given, NULL, 1, c->constraint, c->direction, NULL, NULL))
-        abort();
+    if (how != CELLS_SOME_FIXED && how != CELLS_ANY)
+        cells_find_slides(c);
     for (int64_t i = 0; i < n; i++) {
         static const uint8_t kinds[] = {PLANISH_CONSTRAINT_FREE, PLANISH_CONSTRAINT_FIXED,
                                         PLANISH_CONSTRAINT_ON_PLANE, PLANISH_CONSTRAINT_ON_LINE};
@@ -328,7 +333,7 @@ static void draw_constraints(cells_call *c, uint64_t *state) {
             c->constraint[i] = kinds[random_below(state, 4)];
         for (int d = 0; how == CELLS_ANY && d < dim; d++)
             c->direction[i * dim + d] = random_between(state, -2, 2);
-        if (how != CELLS_SLIDES && how != CELLS_ANY && is_chosen(state, 0.15))
+        if ((how == CELLS_SOME_FIXED || how == CELLS_SLIDES_FIXED) && is_chosen(state, 0.15))
             c->constraint[i] = PLANISH_CONSTRAINT_FIXED;
     }
     c->given.constraint = c->constraint;
@@ -490,6 +495,10 @@ int cells_levels_allowed(int a, int level_a, int b, int level_b) {
         return level_a == TARGET_NONE || level_b == 0;
     if (a == CELLS_TARGET && b == CELLS_OBJECTIVE)
         return level_a == TARGET_NONE || level_b != PLANISH_OBJECTIVE_EDGE_RATIO;
+    if (a == CELLS_OF && b == CELLS_SURFACE)
+        return level_b == 0 || (level_a >= CELLS_HEXAHEDRA && level_a != CELLS_TRIANGLES);
+    if (a == CELLS_CONSTRAINT && b == CELLS_SURFACE)
+        return level_b == 0 || (level_a != CELLS_SOME_FIXED && level_a != CELLS_ANY);
     if (a == CELLS_METHOD && b == CELLS_WORST)
         return level_a == 0 || level_b == 0;
     if (a == CELLS_LEAST && b == CELLS_AREA_WEIGHT)
@@ -502,8 +511,8 @@ int cells_levels_allowed(int a, int level_a, int b, int level_b) {
 }
 
 static void reconcile(int *level) {
-    static const int giving_way[] = {CELLS_OBJECTIVE, CELLS_WORST, CELLS_AREA_WEIGHT, CELLS_AROUND,
-                                     CELLS_PERIODIC};
+    static const int giving_way[] = {CELLS_OBJECTIVE, CELLS_WORST,    CELLS_AREA_WEIGHT,
+                                     CELLS_AROUND,    CELLS_PERIODIC, CELLS_SURFACE};
     enum { N_GIVING_WAY = sizeof giving_way / sizeof *giving_way };
     if (level[CELLS_OF] >= CELLS_TRIANGLES && level[CELLS_WORST] > 0) /* they have other measures */
         level[CELLS_WORST] = (level[CELLS_WORST] + 1) / 2;
@@ -529,9 +538,9 @@ cells_call *cells_call_create(const int *level, uint64_t *state) {
     cells_call *c = zeroed(1, sizeof *c);
     memcpy(c->level, level, sizeof c->level);
     reconcile(c->level);
+    planish_options_init(&c->options);
     draw_mesh(c, state);
     c->given = c->box->mesh;
-    planish_options_init(&c->options);
     draw_constraints(c, state);
     if (c->level[CELLS_PERIODIC])
         draw_pairs(c);
@@ -559,11 +568,13 @@ cells_call *cells_call_create(const int *level, uint64_t *state) {
 }
 
 void cells_call_destroy(cells_call *c) {
-    void *const owned[] = {c->coordinates, c->sign,      c->is_outside, c->is_held,   c->constraint,
-                           c->is_layer,    c->direction, c->least,      c->reference, c->size,
-                           c->metric,      c->lower,     c->start,      c->target,    c->periodic};
+    void *const owned[] = {c->coordinates, c->sign,     c->is_outside, c->is_held,
+                           c->constraint,  c->is_layer, c->direction,  c->least,
+                           c->reference,   c->size,     c->metric,     c->lower,
+                           c->start,       c->target,   c->periodic,   c->region};
     for (size_t i = 0; i < sizeof owned / sizeof *owned; i++)
         free(owned[i]);
+    planish_shape_destroy(c->shape);
     cell_box_destroy(c->box);
     free(c);
 }

@@ -43,6 +43,8 @@ typedef enum cells_factor {
     CELLS_RINGS,
     CELLS_AROUND,
     CELLS_PROGRESS, /* none; one that stops */
+    CELLS_SURFACE,  /* of solids: held or plane; curved: 0.05 edges; 0.3 edges; a length */
+    CELLS_REGIONS,  /* none; two, with nodes held between them; with nodes that slide there */
     N_CELLS_FACTORS
 } cells_factor;
 
@@ -75,6 +77,9 @@ typedef struct cells_call {
     uint8_t *constraint, *is_layer;
     double *direction, *least, *reference, *size, *metric, *lower, *start;
     double *target; /* reference, as dense as box->x, or NULL */
+    planish_shape *shape;
+    planish_surface surface; /* of shape and slides */
+    int32_t *region;         /* [cells] */
     int32_t *periodic;
     int64_t around[2];
     int64_t calls, stop_at; /* of the progress callback */
