@@ -129,7 +129,10 @@ int pl_skin_create(planish_plan *plan, const planish_options *options, const dou
             "options.shape is of facets of second order, and the mesh has none; make the "
             "shape of this mesh");
     if (skin->shape) {
-        const pl_points points = pl_plan_all_points(plan, coordinates);
+        pl_points points = pl_plan_all_points(plan, coordinates);
+        points.n = options->shape->n_mesh;
+        points.node_of =
+            NULL; /* the shape has the caller's numbers, also where a plan is of a part */
         int status = pl_skin_make(options, skin, error);
         if (status)
             return status;

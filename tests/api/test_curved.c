@@ -329,6 +329,54 @@ static void bodies_keep_their_shape(void **unused) {
 }
 
 /** The last proof says no more than the tolerance, however small that is. */
+/** Smooth a node of the surface of a case alone, to x: by a plan of its surroundings, or of the whole mesh, in which
+ *  all others are fixed. */
+static void smooth_one(const trial *t, int64_t node, int in_part, double *x) {
+    planish_plan *plan;
+    planish_error error = {.text = ""};
+    planish_mesh mesh = t->body.mesh;
+    uint8_t *constraint = calloc((size_t)mesh.n_nodes, 1);
+    planish_options options;
+    planish_options_init(&options);
+    options.shape = t->shape;
+    options.max_sweeps = 1;
+    options.around = in_part ? &node : NULL;
+    options.n_around = in_part;
+    memset(constraint, PLANISH_CONSTRAINT_FIXED, (size_t)mesh.n_nodes);
+    constraint[node] = t->constraint[node];
+    mesh.constraint = in_part ? t->constraint : constraint;
+    mesh.direction = t->direction;
+    memcpy(x, t->body.x, (size_t)mesh.n_nodes * 3 * sizeof *x);
+    if (planish_plan_create(&mesh, &options, &plan, &error) ||
+        planish_smooth(plan, x, &options, NULL, &error))
+        check_that(t, 0, error.text);
+    planish_plan_destroy(plan);
+    free(constraint);
+}
+
+/** A plan of a part knows where the surface around it is: its nodes go where they go if all others are fixed. */
+static void parts_know_the_surface_around_them(void **unused) {
+    (void)unused;
+    int64_t n_moved = 0;
+    for (int64_t i = 0; i < 30; i++) {
+        trial t;
+        prepare(&t, i, 0.3);
+        for (int64_t node = 0; node < t.body.mesh.n_nodes; node++) {
+            if (t.constraint[node] != PLANISH_CONSTRAINT_ON_PATCH)
+                continue;
+            smooth_one(&t, node, 0, t.x[0]);
+            smooth_one(&t, node, 1, t.x[1]);
+            for (int d = 0; d < 3; d++)
+                check_that(&t, fabs(t.x[0][3 * node + d] - t.x[1][3 * node + d]) <= 1e-9,
+                           "a part has the places of the whole mesh");
+            n_moved += memcmp(t.x[1] + 3 * node, t.body.x + 3 * node, 3 * sizeof(double)) != 0;
+            break;
+        }
+        finish(&t);
+    }
+    assert_true(n_moved > 10);
+}
+
 static void tolerances_are_proved(void **unused) {
     (void)unused;
     static const double TOLERANCES[] = {0.05, 0.01, 0.005, 0.002};
@@ -469,6 +517,7 @@ static void sheets_keep_their_shape(void **unused) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(bodies_keep_their_shape),
+        cmocka_unit_test(parts_know_the_surface_around_them),
         cmocka_unit_test(tolerances_are_proved),
         cmocka_unit_test(sheets_keep_their_shape),
     };
