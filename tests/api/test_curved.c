@@ -416,7 +416,39 @@ static double worst_facet(const planish_shape *s, const double (*x)[3]) {
     return worst;
 }
 
-/** Smooth the sheet of a case, which becomes the trial's surface. */
+/** Join the triangles a and b, one after the other, to a quadrilateral. Returns 0 if they share no edge, or are
+ *  turned against each other. */
+static int join(const int32_t *a, const int32_t *b, int32_t *quadrilateral) {
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            if (a[(i + 1) % 3] == b[(j + 2) % 3] && a[(i + 2) % 3] == b[(j + 1) % 3]) {
+                const int32_t joined[] = {a[i], a[(i + 1) % 3], b[j], a[(i + 2) % 3]};
+                memcpy(quadrilateral, joined, sizeof joined);
+                return 1;
+            }
+    return 0;
+}
+
+/** Join three quarters of the pairs of triangles that follow each other; arrays have room for all. Returns how many
+ *  cells there are then. */
+static int64_t join_pairs(int64_t n, uint8_t *type, int64_t *offset, int32_t *node,
+                          uint64_t *state) {
+    int64_t cells = 0, at = 0;
+    for (int64_t f = 0; f < n; f++) {
+        int32_t own[4] = {node[3 * f], node[3 * f + 1], node[3 * f + 2]};
+        const int is_joined =
+            f + 1 < n && random_below(state, 4) && join(node + 3 * f, node + 3 * f + 3, own);
+        f += is_joined;
+        memcpy(node + at, own, (size_t)(3 + is_joined) * sizeof *node);
+        type[cells] = is_joined ? PLANISH_CELL_QUADRILATERAL : PLANISH_CELL_TRIANGLE;
+        offset[cells++] = at;
+        at += 3 + is_joined;
+    }
+    offset[cells] = at;
+    return cells;
+}
+
+/** Smooth the sheet of a case, which becomes the trial's surface: half of them have quadrilaterals. */
 static void prepare_sheet(trial *t, int64_t number) {
     uint64_t state = effort_seed((uint64_t)number + 500000);
     planish_error error = {.text = ""};
@@ -438,15 +470,23 @@ static void prepare_sheet(trial *t, int64_t number) {
     for (int64_t i = 0; i < s->n_nodes; i++)
         for (int d = 0; d < 3; d++)
             given[3 * s->node[i] + d] = s->x[i][d] / s->scale;
-    const planish_cells cells = {.n = s->n_facets, .type = type, .offset = offset, .node = node};
-    t->surface.shape = t->shape;
-    t->constraint = malloc((size_t)s->n_mesh);
-    t->direction = malloc((size_t)s->n_mesh * 3 * sizeof *t->direction);
+    planish_cells cells = {.n = s->n_facets, .type = type, .offset = offset, .node = node};
     t->body.mesh = (planish_mesh){.dim = 3,
                                   .n_nodes = s->n_mesh,
                                   .n_elements = s->n_facets,
                                   .coordinates = given,
                                   .cells = &cells};
+    if (number / SHEET_KINDS % 2) {
+        t->body.of = OF_HEXAHEDRA; /* other elements than simplices */
+        t->body.mesh.n_elements = cells.n = join_pairs(cells.n, type, offset, node, &state);
+        planish_shape_destroy(t->shape);
+        if (planish_shape_create(&t->body.mesh, NULL, 1, &t->shape, NULL, &error))
+            check_that(t, 0, error.text);
+        s = t->shape;
+    }
+    t->surface.shape = t->shape;
+    t->constraint = malloc((size_t)s->n_mesh);
+    t->direction = malloc((size_t)s->n_mesh * 3 * sizeof *t->direction);
     if (random_below(&state, 2)) { /* planes and lines first */
         if (planish_find_slides(&t->body.mesh, &t->surface, 1, t->constraint, t->direction, NULL,
                                 &error))
@@ -467,7 +507,8 @@ static void prepare_sheet(trial *t, int64_t number) {
     double(*now)[3] = scaled(t, t->x[0]);
     t->first = sheet_judge_create(s, (const double(*)[3])s->x);
     t->now = sheet_judge_create(s, (const double(*)[3])now);
-    if (t->options.objective == PLANISH_OBJECTIVE_RADIUS_RATIO && !t->options.precision)
+    if (t->options.objective == PLANISH_OBJECTIVE_RADIUS_RATIO && !t->options.precision &&
+        t->body.of == OF_TETRAHEDRA)
         check_that(t,
                    worst_facet(s, (const double(*)[3])now) <=
                        worst_facet(s, (const double(*)[3])s->x) * (1 + 1e-9),
