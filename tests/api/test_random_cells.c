@@ -265,6 +265,64 @@ static int is_refused(const trial *t, int status, const planish_error *error) {
     return 1;
 }
 
+/** What the plan says of nodes: those that moved may. Mids follow, whatever is said. */
+static void ask_nodes(const trial *t) {
+    const cells_call *c = t->call;
+    planish_error error = {.text = ""};
+    uint8_t *reason = calloc((size_t)c->given.n_nodes, 1),
+            *is_free = calloc((size_t)c->given.n_nodes, 1);
+    assert_true(reason && is_free);
+    planish_plan_get_free(t->plan, is_free);
+    if (!is_refused(t, planish_plan_get_held(t->plan, c->start, reason, &error), &error))
+        for (int64_t i = 0; i < c->first_mid; i++) {
+            const int has_moved = memcmp(t->before + i * c->given.dim, t->after + i * c->given.dim,
+                                         (size_t)c->given.dim * sizeof *t->after) != 0;
+            expect(t, !has_moved || reason[i] == 0, "a node moved that is said to be held");
+            expect(t, !is_free[i] || reason[i] == 0, "a free node is said to be held");
+        }
+    free(is_free);
+    free(reason);
+}
+
+/** What the plan says of elements at the end: as the result of the call does. */
+static void ask_elements(const trial *t) {
+    const cells_call *c = t->call;
+    const size_t n = (size_t)c->given.cells->n;
+    planish_options options = c->options;
+    planish_quality quality;
+    planish_error error = {.text = ""};
+    int64_t n_below = 0, n_infeasible = 0, n_undecided = 0;
+    double *ratio = calloc(n, sizeof *ratio);
+    uint8_t *state = calloc(n, 1), *infeasible = calloc(n, 1);
+    assert_true(ratio && state && infeasible);
+    options.progress = NULL;
+    options.time_limit = 0;
+    if (!is_refused(t, planish_measure(t->plan, c->coordinates, &quality, &error), &error))
+        expect(t,
+               c->level[CELLS_ORDER] > 0 ||
+                   quality.n_inverted == t->result.n_inverted - t->result.n_inverted_inside,
+               "n_inverted is another by planish_measure");
+    if (!is_refused(t, planish_measure_elements(t->plan, c->coordinates, ratio, &error), &error))
+        for (size_t i = 0; i < n; i++)
+            expect(t,
+                   ratio[i] == 0 || ratio[i] >= 1 - 1e-12 ||
+                       (isnan(ratio[i]) && c->level[CELLS_AROUND]),
+                   "a ratio is below 1");
+    is_refused(t,
+               planish_check_volumes(t->plan, c->coordinates, &options, state, &n_below,
+                                     &n_undecided, &error),
+               &error);
+    is_refused(t,
+               planish_find_infeasible(t->plan, c->coordinates, &options, infeasible, &n_infeasible,
+                                       &n_undecided, &error),
+               &error);
+    expect(t, n_infeasible <= t->result.n_inverted || n_infeasible <= quality.n_inverted,
+           "more elements are infeasible than inverted");
+    free(infeasible);
+    free(state);
+    free(ratio);
+}
+
 /** Make a plan and smooth from the start; 0 if that is refused. */
 static int smooth(trial *t) {
     cells_call *c = t->call;
@@ -275,8 +333,12 @@ static int smooth(trial *t) {
         return 0;
     const int status = planish_smooth(t->plan, c->coordinates, &c->options, &t->result, &error);
     const int refused = is_refused(t, status, &error);
-    planish_plan_destroy(t->plan);
     cells_call_get(c, t->after);
+    if (!refused) {
+        ask_nodes(t);
+        ask_elements(t);
+    }
+    planish_plan_destroy(t->plan);
     if (refused)
         expect(t,
                memcmp(t->before, t->after,

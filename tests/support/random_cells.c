@@ -409,10 +409,10 @@ static void draw_volumes(cells_call *c, uint64_t *state) {
 
 /* ---- options ------------------------------------------------------------------------------------ */
 
+/** Stop at a call after a colour or a sweep: while proofs are searched for, calls come by the clock. */
 static int stop(const planish_progress *progress, void *user) {
     cells_call *c = user;
-    (void)progress;
-    return c->calls++ == c->stop_at;
+    return (progress->colour > 0 || progress->sweep_done) && c->calls++ == c->stop_at;
 }
 
 static void draw_choices(cells_call *c) {
@@ -522,6 +522,10 @@ static void reconcile(int *level) {
         level[CELLS_TURNED] = 0;
     if (level[CELLS_ORDER] == 0)
         level[CELLS_BEND] = 0;
+    /* With many elements inverted nobody knows which way round the rest is listed. */
+    if (level[CELLS_SHAKE] == 2 && level[CELLS_TURNED] == 2 &&
+        (level[CELLS_TARGET] == TARGET_BOX || level[CELLS_TARGET] == TARGET_STRETCHED))
+        level[CELLS_TURNED] = 0;
     for (int i = 0; i < N_GIVING_WAY; i++)
         for (int a = 0; a < N_CELLS_FACTORS; a++)
             if (!cells_levels_allowed(a, level[a], giving_way[i], level[giving_way[i]]))
