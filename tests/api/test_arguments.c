@@ -36,6 +36,10 @@ static void nothing_is_an_argument(void **state) {
                             planish_check_volumes(plan, x, NULL, NULL, NULL, NULL, NULL),
                             planish_find_infeasible(NULL, x, NULL, NULL, &n, NULL, NULL),
                             planish_find_infeasible(plan, NULL, NULL, NULL, &n, NULL, NULL),
+                            planish_find_held(NULL, x, NULL, (uint8_t *)x, NULL),
+                            planish_find_held(plan, x, NULL, NULL, NULL),
+                            planish_find_held_on_surface(NULL, NULL, (uint8_t *)x, NULL),
+                            planish_find_held_on_surface(&box.mesh, NULL, (uint8_t *)x, NULL),
                             planish_find_slides(NULL, NULL, 1, NULL, NULL, NULL, NULL),
                             planish_find_slides(&box.mesh, NULL, 1, NULL, x, NULL, NULL)};
     for (size_t i = 0; i < sizeof refusals / sizeof refusals[0]; i++)
