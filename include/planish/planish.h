@@ -1335,8 +1335,9 @@ typedef enum planish_held_by {
  *  other movable nodes may move, although limits can stop a node at its first step. planish_smooth
  *  holds sliding nodes also while it untangles; they do not count here. coordinates [n_nodes][dim] (or as
  *  the mesh's strides say) do not change. options (NULL: defaults): as for planish_smooth. The call costs
- *  less than a sweep. With a mesh in parts entries of ghosts are unspecified. Errors: _ARGUMENT,
- *  _MESH, _MEMORY, and with a mesh in parts _PROCESS; held is then untouched. */
+ *  about as much as the beginning of planish_smooth. With a mesh in parts entries of ghosts are
+ *  unspecified. Errors: _ARGUMENT, _MESH, _MEMORY, and with a mesh in parts _PROCESS; held is then
+ *  untouched. */
 PLANISH_API int planish_find_held(planish_plan *plan, const double *coordinates,
                                   const planish_options *options, uint8_t *held,
                                   planish_error *error);
