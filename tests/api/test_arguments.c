@@ -18,6 +18,7 @@ static void nothing_is_an_argument(void **state) {
     test_mesh box;
     planish_plan *plan, *none = NULL;
     planish_plan_info info;
+    int32_t edge = 0;
     planish_quality quality;
     int64_t n;
     test_bad_box(&box, 2, 4, 1);
@@ -50,7 +51,7 @@ static void nothing_is_an_argument(void **state) {
     planish_plan_get_free(plan, NULL);
     planish_plan_get_free(NULL, (uint8_t *)x);
     planish_shape_get_classes(NULL, (uint8_t *)x);
-    planish_shape_get_edges(NULL, (int32_t *)x);
+    planish_shape_get_edges(NULL, &edge);
     planish_options_init_sized(NULL, sizeof(planish_options));
     planish_plan_destroy(NULL);
     planish_plan_destroy(plan);
