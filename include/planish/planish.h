@@ -38,7 +38,8 @@
  *   Mesh                       planish_mesh, planish_constraint
  *   Mesh in several processes  planish_part, planish_role
  *   Nodes that can slide       planish_find_slides
- *   Curved surfaces            planish_shape_create, planish_shape_measure, planish_smooth_surface
+ *   Curved surfaces            planish_shape_create, planish_shape_measure, planish_smooth_surface,
+ *                              planish_find_held, _find_held_on_surface
  *   Another surface            planish_fit_create, planish_fit_move, planish_fit_constrain,
  *                              planish_fit_project, planish_fit_measure
  *   Regions                    planish_rank_region_name, planish_find_regions, _combine_regions,
@@ -1314,6 +1315,40 @@ PLANISH_API int planish_progress_get_coordinates(const planish_progress *progres
 PLANISH_API int planish_smooth_surface(const planish_mesh *mesh, double *coordinates,
                                        const planish_options *options, planish_result *result,
                                        planish_error *error);
+
+/** Why planish_smooth, or planish_smooth_surface, holds a movable node from its start to its end. */
+typedef enum planish_held_by {
+    PLANISH_HELD_BY_NONE = 0, /* not held so: it may move, if only a little, or it is not movable */
+    PLANISH_HELD_BY_BOUNDS = 1,    /* the node starts outside of its bounds; or, without
+                                   options.untangle, in a periodic group at an element that is not
+                                   positive */
+    PLANISH_HELD_BY_TOLERANCE = 2, /* a facet at the node starts farther off options.shape than
+                                      options.surface_tolerance */
+    PLANISH_HELD_BY_SHEET = 3, /* another sheet of the surface is nearer than two such tolerances */
+    PLANISH_HELD_BY_SURFACE = 4 /* options.shape or project cannot say where the node may go: it is
+                                   NULL, or the node is a corner, of a periodic pair, or beside a
+                                   node that slides in another way */
+} planish_held_by;
+
+/** Find the movable nodes that planish_smooth with these arguments would hold from its start to its end.
+ *  Fill held [n_nodes of the mesh] with a planish_held_by of each: the first reason that applies. All
+ *  other movable nodes may move, although limits can stop a node at its first step. planish_smooth
+ *  holds sliding nodes also while it untangles; they do not count here. coordinates [n_nodes][dim] (or as
+ *  the mesh's strides say) do not change. options (NULL: defaults): as for planish_smooth. The call costs
+ *  about as much as the beginning of planish_smooth. With a mesh in parts entries of ghosts are
+ *  unspecified. Errors: _ARGUMENT, _MESH, _MEMORY, and with a mesh in parts _PROCESS; held is then
+ *  untouched. */
+PLANISH_API int planish_find_held(planish_plan *plan, const double *coordinates,
+                                  const planish_options *options, uint8_t *held,
+                                  planish_error *error);
+
+/** Do so for planish_smooth_surface at mesh->coordinates; options (not NULL): as there. Nodes that
+ *  planish_smooth_surface holds later, because facets have come to cross, are _NONE, and so are nodes
+ *  that options.only_worse_than leaves out. Errors: _ARGUMENT, _MESH, _MEMORY, _PARTS; held is then
+ *  untouched. */
+PLANISH_API int planish_find_held_on_surface(const planish_mesh *mesh,
+                                             const planish_options *options, uint8_t *held,
+                                             planish_error *error);
 
 /** Measure mesh->coordinates of a surface in space: areas, angles and ratios of the elements, each in its
  *  own plane. shape was made of the same elements. Movable nodes are those of planish_smooth_surface.

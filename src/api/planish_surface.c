@@ -98,12 +98,18 @@ static int smooth(pl_surface_run *r, planish_error *error) {
     return status;
 }
 
-int planish_smooth_surface(const planish_mesh *mesh, double *coordinates,
-                           const planish_options *options, planish_result *result,
-                           planish_error *error) {
-    planish_result found = {0};
-    if (!mesh || !coordinates)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "mesh and coordinates must not be NULL");
+/** Find what a run holds from its start. */
+static int find_held(pl_surface_run *r, uint8_t *held, planish_error *error) {
+    const int status = pl_surface_run_begin(r, error);
+    if (!status)
+        pl_surface_run_get_held(r, held);
+    pl_surface_run_destroy(r);
+    return status;
+}
+
+/** Check the arguments, and smooth coordinates; or, if held is not NULL, find what holds nodes there. */
+static int run(const planish_mesh *mesh, double *coordinates, const planish_options *options,
+               planish_result *result, uint8_t *held, planish_error *error) {
     if (!options)
         return pl_fail(
             error, PLANISH_ERROR_ARGUMENT,
@@ -120,19 +126,39 @@ int planish_smooth_surface(const planish_mesh *mesh, double *coordinates,
         pl_surface_run r = {.mesh = mesh,
                             .coordinates = coordinates,
                             .options = options,
-                            .result = &found,
+                            .result = result,
                             .threads = pl_thread_count(options->threads),
                             .start_seconds = pl_seconds()};
         status = check_mesh(mesh, r.threads, error);
         if (!status)
-            status = smooth(&r, error);
+            status = held ? find_held(&r, held, error) : smooth(&r, error);
         pl_context_enter(before);
     }
     pl_context_destroy(context);
     pl_call_leave(&outside);
+    return status;
+}
+
+int planish_smooth_surface(const planish_mesh *mesh, double *coordinates,
+                           const planish_options *options, planish_result *result,
+                           planish_error *error) {
+    planish_result found = {0};
+    if (!mesh || !coordinates)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "mesh and coordinates must not be NULL");
+    const int status = run(mesh, coordinates, options, &found, NULL, error);
     if (!status && result)
         *result = found;
     return status;
+}
+
+int planish_find_held_on_surface(const planish_mesh *mesh, const planish_options *options,
+                                 uint8_t *held, planish_error *error) {
+    planish_result unused = {0};
+    if (!mesh || !mesh->coordinates || !held)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "mesh, mesh.coordinates and held must not be NULL");
+    /* A run writes coordinates at its end, which find_held does not come to. */
+    return run(mesh, (double *)mesh->coordinates, options, &unused, held, error);
 }
 
 /* ---- measures --------------------------------------------------------------------------------- */

@@ -146,18 +146,26 @@ static int choose_bad(pl_surface_run *r, planish_error *error) {
 
 /* ---- bounds --------------------------------------------------------------------------------- */
 
+/** Whether a node starts outside of its bounds. */
+static int is_outside(const pl_surface_run *r, int32_t node) {
+    int outside = 0;
+    for (int d = 0; d < 3 && r->lower; d++)
+        outside |=
+            !(r->lower[node][d] <= r->start[node][d] && r->start[node][d] <= r->upper[node][d]);
+    return outside;
+}
+
 /** Set the bounds of a node; what starts outside of them is held. */
 static void bound_node(pl_surface_run *r, int32_t node) {
     const planish_options *o = r->options;
     const int64_t given = r->shape->node[node];
-    int outside = 0;
     for (int d = 0; d < 3; d++) {
         const double low = o->lower ? o->lower[3 * given + d] : -INFINITY;
         const double high = o->upper ? o->upper[3 * given + d] : INFINITY;
         r->lower[node][d] = fmax(low, o->box_lower[d]);
         r->upper[node][d] = fmin(high, o->box_upper[d]);
-        outside |= !(r->lower[node][d] <= r->x[node][d] && r->x[node][d] <= r->upper[node][d]);
     }
+    const int outside = is_outside(r, node);
     r->result->n_held_outside += outside && r->moves[node];
     r->moves[node] &= !outside;
 }
@@ -293,6 +301,18 @@ int pl_surface_run_begin(pl_surface_run *r, planish_error *error) {
                                       .changed = r->changed};
     r->result->objective_before = pl_surface_rms(&r->sums);
     return PLANISH_OK;
+}
+
+void pl_surface_run_get_held(const pl_surface_run *r, uint8_t *held) {
+    memset(held, PLANISH_HELD_BY_NONE, (size_t)r->mesh->n_nodes);
+    for (int32_t i = 0; i < r->shape->n_nodes; i++) {
+        uint8_t *by = &held[r->shape->node[i]];
+        if (!r->is_movable[i])
+            continue;
+        *by = (uint8_t)(is_outside(r, i) ? PLANISH_HELD_BY_BOUNDS : pl_skin_held_by(&r->skin, i));
+        if (*by == PLANISH_HELD_BY_NONE && r->skin.star[i] >= 0 && !r->moves[i])
+            *by = PLANISH_HELD_BY_SURFACE;
+    }
 }
 
 /** Write the nodes that have moved. */

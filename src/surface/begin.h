@@ -11,6 +11,9 @@ void pl_surface_find_moves(const planish_mesh *mesh, const planish_shape *shape,
  *  _MESH, _MEMORY. */
 int pl_surface_run_begin(pl_surface_run *r, planish_error *error);
 
+/** Fill held [nodes of the mesh] with the planish_held_by of each in a run that has begun. */
+void pl_surface_run_get_held(const pl_surface_run *r, uint8_t *held);
+
 /** Write the nodes that have moved to the caller's coordinates, and fill in the result. */
 void pl_surface_run_end(pl_surface_run *r);
 

@@ -110,13 +110,14 @@ static void begin_limits(pl_run *r) {
         r->worst_at_start = r->sums.radius_max;
 }
 
-int pl_run_begin(pl_run *r, planish_error *error) {
+/** Check that options fit the plan, and bring the coordinates into it. *all: copy of the coordinates
+ *  [.][dim] of all that is known, where that is more than the plan's subset; owned, or NULL. */
+static int take_coordinates(pl_run *r, double **all, planish_error *error) {
     planish_plan *plan = r->plan;
-    const planish_options *o = r->options;
     const pl_points points = pl_plan_points(plan, r->coordinates);
     const pl_points all_points = pl_plan_all_points(plan, r->coordinates);
-    double *all = NULL, delta;
     int status = check_targets(r, error);
+    *all = NULL;
     if (!status)
         status = check_worst(r, error);
     if (status)
@@ -124,23 +125,51 @@ int pl_run_begin(pl_run *r, planish_error *error) {
     r->kinds = kinds_of(&plan->work);
     r->given = pl_plan_dense(plan, &points, plan->scratch.given);
     if (plan->scope == PL_SUBSET_OF_ALL) {
-        all = pl_alloc(all_points.n * all_points.dim, sizeof *all);
-        if (!all)
+        *all = pl_alloc(all_points.n * all_points.dim, sizeof **all);
+        if (!*all)
             return pl_fail_memory(error, "the coordinates");
-        pl_points_gather(&all_points, plan->threads, all);
+        pl_points_gather(&all_points, plan->threads, *all);
     }
     pl_plan_order(plan, r->given, plan->scratch.coordinates);
     begin_sliding(plan);
-    if (plan->sizes)
-        pl_plan_begin_sizes(plan);
+    return PLANISH_OK;
+}
+
+/** Make the guard, the watch and the skin. */
+static int make_limits(pl_run *r, const double *all, planish_error *error) {
+    planish_plan *plan = r->plan;
+    const planish_options *o = r->options;
+    double delta;
     /* delta may be a fraction of the volume of all of the mesh. */
-    status = pl_minimum_volume(plan, o, all ? all : r->given, &delta, error);
+    int status = pl_minimum_volume(plan, o, all ? all : r->given, &delta, error);
     if (!status)
         status = pl_guard_create(plan, o, r->given, delta, &r->guard, error);
     if (!status)
         status = pl_watch_create(plan, o, r->given, r->coordinates, delta, &r->watch, error);
     if (!status)
         status = pl_skin_create(plan, o, r->coordinates, &r->watch, &r->skin, error);
+    return status;
+}
+
+int pl_run_begin_limits(pl_run *r, planish_error *error) {
+    double *all;
+    int status = take_coordinates(r, &all, error);
+    if (!status)
+        status = make_limits(r, all, error);
+    pl_free(all);
+    return status;
+}
+
+int pl_run_begin(pl_run *r, planish_error *error) {
+    planish_plan *plan = r->plan;
+    const planish_options *o = r->options;
+    double *all;
+    int status = take_coordinates(r, &all, error);
+    if (status)
+        return status;
+    if (plan->sizes)
+        pl_plan_begin_sizes(plan);
+    status = make_limits(r, all, error);
     plan->scratch.watch = r->watch.n > 0 ? &r->watch : NULL;
     plan->scratch.skin = !status && r->skin.shape ? &r->skin : NULL;
     if (!status) {

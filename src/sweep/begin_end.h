@@ -9,6 +9,10 @@
  *  those of pl_guard_create and pl_watch_create, _MEMORY. */
 int pl_run_begin(pl_run *r, planish_error *error);
 
+/** Begin such a run only as far as its guard, watch and skin, which then know what they hold. Targets by
+ *  sizes stay as they are. Nothing but pl_run_destroy may follow. Errors: as of pl_run_begin. */
+int pl_run_begin_limits(pl_run *r, planish_error *error);
+
 /** End a run: write the nodes that have moved to the caller's coordinates, unless memory was
  *  lacking or another process is not reached, and fill the result. Errors: _MEMORY, _PROCESS. */
 int pl_run_end(pl_run *r, planish_error *error);

@@ -18,6 +18,7 @@
  *   pl_skin_make, _find_moves, _begin, _destroy  places and bounds
  *   pl_skin_certify                              bound of a facet
  *   pl_skin_has, _is_curved, _is_off, _is_at     of a node; of places
+ *   pl_skin_held_by                              why a movable node stays
  *   pl_skin_follow, _check                       nodes have moved otherwise; look at all facets
  *   pl_skin_save, _restore                       for trials
  * skin_mids.c   where facets are of second order
@@ -50,6 +51,10 @@
 /** How a node of the shape moves: as the planish_constraint of its visits, _FREE or _FIXED: not at all;
  *  or as one of these. */
 enum {
+    PL_SKIN_OFF =
+        8, /* not at all, though it is movable: its facets are too far off at the start, */
+    PL_SKIN_NEAR = 9,   /* or another sheet is near, */
+    PL_SKIN_STAYS = 10, /* or the skin cannot follow it along the shape */
     PL_SKIN_FLAT = 16,  /* on a plane or line, and changes nothing of the surface */
     PL_SKIN_LOOSE = 17, /* the skin knows nothing of its moves: its facets stay otherwise */
     PL_SKIN_PAIRED = 18 /* in a periodic pair, while the skin is made */
@@ -96,7 +101,6 @@ typedef struct pl_skin {
     double unscale;     /* 1 / shape->scale */
     int64_t max_facets; /* of a node */
     double *room;       /* [threads][PL_SKIN_ROOM * max_facets] for visits */
-    int64_t n_held;     /* nodes that would slide, but for facets too far off at the start */
     int64_t n_off;      /* visits that were shortened or refused */
     pl_mids *mids;      /* of a shape of second order: mids follow by it, and go to the shape by
                            mids->own; a mid has its place, its inner number is PL_SKIN_MID */
@@ -236,7 +240,16 @@ static inline int pl_skin_keeps_turn(const pl_skin_visit *v, const pl_skin_trial
 
 /** Whether the skin moves a node. */
 static inline int pl_skin_has(const pl_skin *skin, int32_t node) {
-    return skin->moves[node] >= PLANISH_CONSTRAINT_ON_PLANE && skin->moves[node] < PL_SKIN_FLAT;
+    return skin->moves[node] >= PLANISH_CONSTRAINT_ON_PLANE && skin->moves[node] < PL_SKIN_OFF;
+}
+
+/** Return why the skin holds a node that is movable. */
+static inline planish_held_by pl_skin_held_by(const pl_skin *skin, int32_t node) {
+    const uint8_t moves = skin->moves[node];
+    return moves == PL_SKIN_OFF     ? PLANISH_HELD_BY_TOLERANCE
+           : moves == PL_SKIN_NEAR  ? PLANISH_HELD_BY_SHEET
+           : moves == PL_SKIN_STAYS ? PLANISH_HELD_BY_SURFACE
+                                    : PLANISH_HELD_BY_NONE;
 }
 
 /** Make the skin of a run whose coordinates are in the plan, and set how the plan's nodes slide.

@@ -405,8 +405,7 @@ void pl_skin_find_moves(pl_skin *skin, const uint8_t *slides_by) {
     for (int64_t s = 0; s < skin->n_stars; s++) {
         const int32_t node = skin->node[s];
         if (node >= 0 && slides_by[s] >= PLANISH_CONSTRAINT_ON_PATCH)
-            skin->moves[node] =
-                skin->moves[node] == PL_SKIN_PAIRED ? PLANISH_CONSTRAINT_FIXED : slides_by[s];
+            skin->moves[node] = skin->moves[node] == PL_SKIN_PAIRED ? PL_SKIN_STAYS : slides_by[s];
     }
     for (int64_t s = 0; s < skin->n_stars; s++) {
         const int32_t node = skin->node[s];
@@ -418,18 +417,18 @@ void pl_skin_find_moves(pl_skin *skin, const uint8_t *slides_by) {
         if (!pl_skin_is_curved(skin, node) && is_known)
             skin->moves[node] = PL_SKIN_FLAT;
         else if (skin->moves[node] == PL_SKIN_PAIRED || skin->shape->node_class[node] == PL_CORNER)
-            skin->moves[node] = PLANISH_CONSTRAINT_FIXED;
+            skin->moves[node] = PL_SKIN_STAYS;
         else
             skin->moves[node] = by;
     }
 }
 
-/** Hold the nodes of the skin with a facet such as test says. Returns how many there are. */
-static int64_t hold(pl_skin *skin, int (*test)(const pl_skin *skin, int32_t facet)) {
+/** Hold the nodes of the skin with a facet such as test says, as PL_SKIN_OFF, ... Returns how many there are. */
+static int64_t hold(pl_skin *skin, int (*test)(const pl_skin *skin, int32_t facet), uint8_t as) {
     int64_t n = 0;
     for (int32_t node = 0; node < skin->shape->n_nodes; node++)
         if (pl_skin_has(skin, node) && any_facet(skin, node, test)) {
-            skin->moves[node] = PLANISH_CONSTRAINT_FIXED;
+            skin->moves[node] = as;
             n++;
         }
     return n;
@@ -437,15 +436,15 @@ static int64_t hold(pl_skin *skin, int (*test)(const pl_skin *skin, int32_t face
 
 /** Hold the nodes of facets that are too far off at the start: these stay as they are. */
 static void hold_far(pl_skin *skin) {
-    skin->n_held = hold(skin, is_too_far);
+    const int64_t n = hold(skin, is_too_far, PL_SKIN_OFF);
     for (int32_t t = 0; t < skin->shape->n_facets; t++)
         if (is_too_far(skin, t))
             skin->tolerance[t] = INFINITY;
-    if (skin->n_held > 0)
+    if (n > 0)
         pl_log(PLANISH_LOG_NOTE,
                "%" PRId64 " nodes do not move: the surface there is farther off options.shape than "
                "surface_tolerance",
-               skin->n_held);
+               n);
 }
 
 int pl_skin_is_off(const pl_skin *skin, int32_t node) {
@@ -547,7 +546,7 @@ static int hold_near(pl_skin *skin, planish_error *error) {
                                                      is_open, skin->threads, skin->is_near, error)
                                 : pl_fail_memory(error, "the surface of a mesh");
     pl_free(may_leave);
-    const int64_t n = status ? 0 : hold(skin, is_near);
+    const int64_t n = status ? 0 : hold(skin, is_near, PL_SKIN_NEAR);
     pl_free(skin->is_near);
     skin->is_near = NULL;
     if (n > 0)
@@ -564,7 +563,7 @@ int pl_skin_begin(pl_skin *skin, const pl_points *points, planish_error *error) 
         return status;
     if (!take_outside(skin, points))
         return pl_fail_memory(error, "the surface of a mesh");
-    hold(skin, is_loose);
+    hold(skin, is_loose, PL_SKIN_STAYS);
     take_places(skin);
     bound_all(skin);
     hold_far(skin);

@@ -22,10 +22,9 @@ static int find_followers(pl_skin *skin) {
         const int32_t leader = of_inner[f->of];
         if (node < 0)
             continue;
-        skin->moves[node] = leader >= 0 && skin->moves[leader] == PLANISH_CONSTRAINT_FIXED
-                                ? PLANISH_CONSTRAINT_FIXED
-                            : pl_skin_is_curved(skin, node) ? PL_SKIN_LOOSE
-                                                            : PL_SKIN_FLAT;
+        skin->moves[node] = leader >= 0 && skin->moves[leader] == PL_SKIN_STAYS ? PL_SKIN_STAYS
+                            : pl_skin_is_curved(skin, node)                     ? PL_SKIN_LOOSE
+                                                                                : PL_SKIN_FLAT;
     }
     pl_free(of_inner);
     return of_inner || visits->n_followers == 0;

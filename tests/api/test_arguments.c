@@ -18,6 +18,7 @@ static void nothing_is_an_argument(void **state) {
     test_mesh box;
     planish_plan *plan, *none = NULL;
     planish_plan_info info;
+    int32_t edge = 0;
     planish_quality quality;
     int64_t n;
     test_bad_box(&box, 2, 4, 1);
@@ -36,6 +37,10 @@ static void nothing_is_an_argument(void **state) {
                             planish_check_volumes(plan, x, NULL, NULL, NULL, NULL, NULL),
                             planish_find_infeasible(NULL, x, NULL, NULL, &n, NULL, NULL),
                             planish_find_infeasible(plan, NULL, NULL, NULL, &n, NULL, NULL),
+                            planish_find_held(NULL, x, NULL, (uint8_t *)x, NULL),
+                            planish_find_held(plan, x, NULL, NULL, NULL),
+                            planish_find_held_on_surface(NULL, NULL, (uint8_t *)x, NULL),
+                            planish_find_held_on_surface(&box.mesh, NULL, (uint8_t *)x, NULL),
                             planish_find_slides(NULL, NULL, 1, NULL, NULL, NULL, NULL),
                             planish_find_slides(&box.mesh, NULL, 1, NULL, x, NULL, NULL)};
     for (size_t i = 0; i < sizeof refusals / sizeof refusals[0]; i++)
@@ -46,7 +51,7 @@ static void nothing_is_an_argument(void **state) {
     planish_plan_get_free(plan, NULL);
     planish_plan_get_free(NULL, (uint8_t *)x);
     planish_shape_get_classes(NULL, (uint8_t *)x);
-    planish_shape_get_edges(NULL, (int32_t *)x);
+    planish_shape_get_edges(NULL, &edge);
     planish_options_init_sized(NULL, sizeof(planish_options));
     planish_plan_destroy(NULL);
     planish_plan_destroy(plan);

@@ -97,6 +97,14 @@ static void draw_options(trial *t, uint64_t *state) {
     }
 }
 
+/** Check that nodes stay from before to x that were said to; held: of before. */
+static void check_held(const trial *t, const uint8_t *held, const double *before, const double *x) {
+    for (int64_t i = 0; i < t->body.mesh.n_nodes; i++)
+        if (held[i])
+            check_that(t, !memcmp(x + 3 * i, before + 3 * i, 3 * sizeof *x),
+                       "what is held from the start stays");
+}
+
 static void smooth(trial *t, int threads, double *x) {
     planish_plan *plan;
     planish_result result;
@@ -108,12 +116,18 @@ static void smooth(trial *t, int threads, double *x) {
     options.threads = threads;
     memcpy(x, t->body.x, (size_t)mesh.n_nodes * 3 * sizeof *x);
     mesh.coordinates = x;
+    uint8_t *held = malloc((size_t)mesh.n_nodes);
     for (int i = 0; i < t->n_runs; i++) {
+        double *before = test_copy_of(&mesh);
         if (planish_plan_create(&mesh, &options, &plan, &error) ||
+            planish_find_held(plan, x, &options, held, &error) ||
             planish_smooth(plan, x, &options, &result, &error))
             check_that(t, 0, error.text);
         planish_plan_destroy(plan);
+        check_held(t, held, before, x);
+        free(before);
     }
+    free(held);
 }
 
 static double (*scaled(const trial *t, const double *x))[3] {
@@ -497,13 +511,17 @@ static void prepare_sheet(trial *t, int64_t number) {
     draw_options(t, &state);
     if (t->options.objective == PLANISH_OBJECTIVE_EDGE_RATIO)
         t->options.objective = PLANISH_OBJECTIVE_RADIUS_RATIO;
+    uint8_t *held = malloc((size_t)s->n_mesh);
     for (int i = 0; i < 3; i++) {
         planish_result result;
         t->x[i] = test_copy_of(&t->body.mesh);
         t->options.threads = i + 1;
-        if (planish_smooth_surface(&t->body.mesh, t->x[i], &t->options, &result, &error))
+        if (planish_find_held_on_surface(&t->body.mesh, &t->options, held, &error) ||
+            planish_smooth_surface(&t->body.mesh, t->x[i], &t->options, &result, &error))
             check_that(t, 0, error.text);
+        check_held(t, held, given, t->x[i]);
     }
+    free(held);
     double(*now)[3] = scaled(t, t->x[0]);
     t->first = sheet_judge_create(s, (const double(*)[3])s->x);
     t->now = sheet_judge_create(s, (const double(*)[3])now);

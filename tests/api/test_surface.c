@@ -189,6 +189,16 @@ static planish_result smooth(patchwork *p) {
     return r;
 }
 
+/** Find what holds nodes. */
+static const uint8_t *find_held(const patchwork *p) {
+    static uint8_t held[NODES];
+    planish_error e;
+    memset(held, 77, sizeof held);
+    if (planish_find_held_on_surface(&p->mesh, &p->options, held, &e))
+        fail_msg("%s", e.text);
+    return held;
+}
+
 /** The mean and, of triangles, the smallest angle improve. On a tube a wave through all of it remains for
  *  long. */
 static void test_quality(void **unused) {
@@ -328,6 +338,7 @@ static void test_limits(void **unused) {
         constraint[i] = PLANISH_CONSTRAINT_FIXED;
     p.options.box_upper[2] = 0.5;
     p.options.max_displacement = 0.05;
+    const uint8_t *held = find_held(&p);
     const planish_result r = smooth(&p);
     int64_t n_outside = 0;
     for (int i = 0; i < NODES; i++) {
@@ -337,7 +348,10 @@ static void test_limits(void **unused) {
         assert_true(sqrt(square) <= 0.05);
         assert_true(i % 3 != 0 || square == 0);
         assert_true(p.x[i][2] <= 0.5 || square == 0);
-        n_outside += p.given[i][2] > 0.5 && i % 3 != 0 && node_class[i] != PLANISH_SHAPE_CORNER;
+        const int is_outside =
+            p.given[i][2] > 0.5 && i % 3 != 0 && node_class[i] != PLANISH_SHAPE_CORNER;
+        n_outside += is_outside;
+        assert_int_equal(held[i], is_outside ? PLANISH_HELD_BY_BOUNDS : PLANISH_HELD_BY_NONE);
     }
     assert_int_equal(r.n_held_outside, n_outside);
     assert_true(r.max_displacement <= 0.05 && r.max_displacement > 0.04);
@@ -395,6 +409,9 @@ static void test_sheets(void **unused) {
     for (int k = 0; k < 2; k++) {
         p.apart = k ? 0.2 : 0.005;
         make(&p, SHEETS, 0, 0.3);
+        const uint8_t *held = find_held(&p);
+        for (int i = 0; i < NODES; i++)
+            assert_int_equal(held[i], k ? PLANISH_HELD_BY_NONE : PLANISH_HELD_BY_SHEET);
         const planish_result r = smooth(&p);
         assert_true(k ? r.n_moved_nodes > NODES / 2 : r.n_moved_nodes == 0);
         destroy(&p);
@@ -501,6 +518,37 @@ static void test_snapshots_of_runs(void **unused) {
     destroy(&p);
 }
 
+/** Nodes at a facet that starts too far off stay, and those to which nobody says where to go. */
+static void test_held(void **unused) {
+    static patchwork p;
+    static uint8_t constraint[NODES], is_beside[NODES];
+    enum { OUT = 5 * ACROSS + 5, LOST = 40 * ACROSS + 5 };
+    (void)unused;
+    make(&p, TORUS, 0, 0.3);
+    p.mesh.constraint = constraint;
+    constraint[LOST] = PLANISH_CONSTRAINT_ON_PLANE; /* without a direction */
+    p.x[OUT][2] += 0.3;
+    memset(is_beside, 0, sizeof is_beside);
+    for (int64_t f = 0; f < p.cells.n; f++) {
+        const int32_t *v = p.node + 3 * f;
+        if (v[0] == OUT || v[1] == OUT || v[2] == OUT)
+            is_beside[v[0]] = is_beside[v[1]] = is_beside[v[2]] = 1;
+    }
+    memcpy(p.given, p.x, sizeof p.x);
+    const uint8_t *held = find_held(&p);
+    assert_memory_equal(p.x, p.given, sizeof p.x);
+    for (int i = 0; i < NODES; i++)
+        assert_int_equal(held[i], i == LOST      ? PLANISH_HELD_BY_SURFACE
+                                  : is_beside[i] ? PLANISH_HELD_BY_TOLERANCE
+                                                 : PLANISH_HELD_BY_NONE);
+    planish_result r;
+    assert_int_equal(planish_smooth_surface(&p.mesh, p.x[0], &p.options, &r, NULL), 0);
+    assert_true(r.n_moved_nodes > NODES / 2);
+    for (int i = 0; i < NODES; i++)
+        assert_true(!held[i] || !memcmp(p.x[i], p.given[i], sizeof *p.x));
+    destroy(&p);
+}
+
 /** Nodes of a facet that is there twice, that is the third at an edge, or that has no area stay; others
  *  move. */
 static void test_bad_facets(void **unused) {
@@ -566,6 +614,14 @@ static void refuse(const patchwork *p, const planish_mesh *mesh, const planish_o
     if (!strstr(e.text, part))
         fail_msg("'%s' lacks '%s'", e.text, part);
     assert_memory_equal(x, p->given, sizeof x);
+    static uint8_t held[NODES], marked[NODES];
+    memset(held, 77, sizeof held);
+    memset(marked, 77, sizeof marked);
+    planish_mesh here = *mesh;
+    here.coordinates = x[0];
+    assert_int_equal(planish_find_held_on_surface(&here, options, held, &e), status);
+    assert_non_null(strstr(e.text, part));
+    assert_memory_equal(held, marked, sizeof held);
 }
 
 static void test_refusals(void **unused) {
@@ -647,6 +703,18 @@ static void test_memory(void **unused) {
         assert_true(status == PLANISH_OK || status == PLANISH_ERROR_MEMORY);
         if (status)
             assert_memory_equal(p.x, p.given, sizeof p.x);
+    }
+    assert_true(n > 20);
+    n = 0;
+    for (int status = PLANISH_ERROR_MEMORY; status; n++) {
+        static uint8_t held[NODES];
+        memset(held, 77, sizeof held);
+        allocations_permit(n);
+        status = planish_find_held_on_surface(&p.mesh, &p.options, held, NULL);
+        allocations_permit(-1);
+        assert_true(status == PLANISH_OK || status == PLANISH_ERROR_MEMORY);
+        for (int i = 0; i < NODES; i++)
+            assert_int_equal(held[i], status ? 77 : PLANISH_HELD_BY_NONE);
     }
     assert_true(n > 20);
     destroy(&p);
@@ -748,6 +816,7 @@ int main(void) {
         cmocka_unit_test(test_crossings),
         cmocka_unit_test(test_snapshots),
         cmocka_unit_test(test_snapshots_of_runs),
+        cmocka_unit_test(test_held),
         cmocka_unit_test(test_bad_facets),
         cmocka_unit_test(test_floats),
         cmocka_unit_test(test_refusals),

@@ -82,4 +82,25 @@ cmp free.mesh out.mesh || fail "bounds that are far away change the mesh"
 expect_status 0 "$program" smooth square.mesh -o out.mesh --box 0.99,0.99,1,1 --json report.json -q
 cmp square.mesh out.mesh || fail "nodes that are all outside have moved"
 expect_json "r['held_outside'] == r['mesh']['free_nodes'] and r['moved_nodes'] == 0"
+
+# The worst elements whose movable nodes are all outside of the box: they are movable, and held.
+expect_status 0 "$program" smooth cube.mesh -o out.mesh --box 0,0,0,1,1,0.5 --json report.json --report report.html -q
+python3 - <<'END' || fail "which elements the box holds"
+import json
+import mesh_file
+mesh, report = mesh_file.read("cube.mesh"), json.load(open("report.json"))
+surface = mesh_file.boundary(mesh)
+n_held = 0
+for state in ("before", "after"):
+    for element in report[state]["worst_elements"]:
+        free = [n - 1 for n in element["nodes"] if n - 1 not in surface]
+        held = bool(free) and all(mesh.points[i][2] > 0.5 for i in free)
+        assert element["movable"] == bool(free)
+        assert element["held"] == ("bounds" if held else None), element
+        n_held += held
+assert 0 < n_held < 20, n_held
+assert open("report.html").read().count("yes, but held outside of the bounds") == n_held
+END
+expect_status 0 "$program" smooth cube.mesh -o out.mesh --max-displacement 0.001 --json report.json -q
+expect_json "all(e['held'] is None for s in ('before', 'after') for e in r[s]['worst_elements'])"
 finish

@@ -120,6 +120,24 @@ for _ in 1 2 3; do
 done
 expect_json "r['surface']['original'] == 'ball.mesh' and 0 < r['surface']['input']['distance_in_edges'] <= 0.01"
 
+# What is farther off than the tolerance stays, and the worst elements there say so.
+expect_status 0 "$program" smooth ball.mesh -o off.mesh --slide curved --surface-tolerance 0.3h -q
+expect_status 0 "$program" smooth off.mesh -o out.mesh --slide curved --surface-of ball.mesh --surface-tolerance 0.002h \
+    --objective worst --json report.json --report report.html -q
+python3 - <<'END' || fail "worst elements that the tolerance holds"
+import json
+import mesh_file
+before, after = (mesh_file.read(name).points for name in ("off.mesh", "out.mesh"))
+report = json.load(open("report.json"))
+listed = [e for state in ("before", "after") for e in report[state]["worst_elements"]]
+held = [e for e in listed if e["held"]]
+assert len(held) > 3 and report["moved_nodes"] > 200, (len(held), report["moved_nodes"])
+for element in held:
+    assert element["movable"] and element["held"] == "tolerance"
+    assert all(before[n - 1] == after[n - 1] for n in element["nodes"])
+assert open("report.html").read().count("yes, but held by the surface&#39;s tolerance") == len(held)
+END
+
 # Creases of one's own; interfaces.
 expect_status 0 "$program" smooth ball.mesh -o out.mesh --slide curved --crease-angle 179 --json report.json -q
 expect_json "r['surface']['feature_edges'] == 0 and r['surface']['on_curves'] == 0"

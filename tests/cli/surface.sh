@@ -209,6 +209,25 @@ expect_one_line
 expect_text "give the mesh that this one was made of"
 expect_no_file no.off
 
+# Sheets that face one another hold their nodes, and the list of the worst elements says so.
+python3 - <<'END'
+lines = open("tube.off").read().split("\n")
+n, n_faces = (int(word) for word in lines[1].split()[:2])
+with open("sheets.off", "w") as out:
+    print("OFF\n%d %d 0" % (2 * n, 2 * n_faces), file=out)
+    for factor in (1, 1.002):
+        for x, y, z in (map(float, line.split()) for line in lines[2:2 + n]):
+            print("%.9g %.9g %.9g" % (factor * x, factor * y, z), file=out)
+    for first in (0, n):
+        for line in lines[2 + n:2 + n + n_faces]:
+            print(3, *(int(k) + first for k in line.split()[1:]), file=out)
+END
+expect_status 0 "$program" quality sheets.off --worst 4 --json report.json
+expect_json "all(e['movable'] and e['held'] == 'sheet' for e in r['quality']['worst_elements'])"
+[ "$(tr -s ' \n' ' ' <out | grep -o ', all held near another sheet of the surface' | wc -l)" = 4 ] || fail "table: $(cat out)"
+expect_status 0 "$program" quality tube.off --worst 4 --json report.json
+expect_json "all(e['movable'] and e['held'] is None for e in r['quality']['worst_elements'])"
+
 # The page has the picture of the surface and its features, the copy for viewing the measures.
 expect_status 0 "$program" smooth tube.off -o out.off -q --report report.html
 grep -q '"flat":true' report.html || fail "the picture is that of a surface"

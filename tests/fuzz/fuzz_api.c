@@ -230,6 +230,17 @@ static void check_bits(const work *w, const double *before) {
     free(other.x);
 }
 
+/** Nodes that the call holds stay; held [n_nodes]: as found before. */
+static void check_held(const work *w, const uint8_t *held, const double *before) {
+    const planish_mesh *mesh = &w->mesh.mesh;
+    for (int64_t i = 0; i < mesh->n_nodes; i++)
+        for (int d = 0; d < mesh->dim; d++) {
+            const int64_t at = fuzz_at(mesh, i, d);
+            fuzz_require(held[i] <= PLANISH_HELD_BY_SURFACE && (!held[i] || w->x[at] == before[at]),
+                         "nodes that are held by the call stay");
+        }
+}
+
 /** is_first: coordinates are still those that the plan was made with. */
 static void smooth(work *w, int is_first) {
     planish_result result;
@@ -238,9 +249,13 @@ static void smooth(work *w, int is_first) {
     double *before = copy_of(w->x, w->mesh.n_coordinates, sizeof *before);
     const int known = measure(w, w->plan, &quality);
     const int same_bits = !take_chance(&w->bytes, 4) && is_first;
+    uint8_t *held = calloc((size_t)w->mesh.mesh.n_nodes + 1, 1);
+    fuzz_require(held != NULL, "memory");
+    succeeded(planish_find_held(w->plan, w->x, &w->options, held, &error), &error);
     if (succeeded(planish_smooth(w->plan, w->x, &w->options, &result, &error), &error)) {
         check_moves(w, before);
         check_bounds(w, before);
+        check_held(w, held, before);
         if (known && measure(w, w->plan, &after) && w->options.method == PLANISH_METHOD_PLANISH)
             check_gain(w, &quality, &after, &result);
         if (same_bits)
@@ -249,6 +264,7 @@ static void smooth(work *w, int is_first) {
         fuzz_require(memcmp(before, w->x, (size_t)w->mesh.n_coordinates * sizeof *before) == 0,
                      "coordinates are untouched by a failure");
     }
+    free(held);
     free(before);
 }
 

@@ -44,7 +44,7 @@ class Keywords(unittest.TestCase):
 
     def test_keywords_are_documented(self):
         for function in (planish.smooth, planish.Plan.__init__, planish.Plan.smooth, planish.quality, planish.read,
-                         planish.Shape.__init__, planish.find_slides, planish.size_quality):
+                         planish.Shape.__init__, planish.find_slides, planish.size_quality, planish.layer_heights):
             for name in keywords(function):
                 self.assertRegex(inspect.getdoc(function), rf"(?m)^ +{name}: ", (function, name))
 

@@ -24,6 +24,8 @@ STRUCTURES = {
     "planish_shape_distance": planish.ShapeDistance,
     "planish_fit_info": planish.FitInfo,
     "planish_size_quality": planish.SizeQuality,
+    "planish_layer_row": planish.LayerRow,
+    "planish_layer_heights": planish.LayerHeights,
     "planish_open_options": _io_structures.OpenOptions,
     "planish_format_info": _io_structures.FormatInfo,
     "planish_file_info": _io_structures.FileInfo,

@@ -309,6 +309,51 @@ class Plans(unittest.TestCase):
         planish.smooth(start.copy(), cells, progress=seen)
         self.assertGreater(len(seen), 5)
 
+    def test_points_in_progress(self):
+        """Positions at the end of each sweep, whatever the array of points is like, are those of the figures."""
+        for dim in 2, 3:
+            start, cells, _ = box(dim, amount=0.3)
+            wide = np.zeros((len(start), dim + 2))
+            wide[:, :dim] = start
+            for points in (start.copy(), np.asfortranarray(start), start.astype(np.float32), wide[:, :dim]):
+                given, sweeps, kept = points.copy(), [], []
+
+                def look(seen):
+                    kept.append(seen)
+                    if not seen.sweep_done:
+                        self.assertRaisesRegex(ValueError, "sweep_done", seen.points)
+                        return
+                    now = seen.points()
+                    self.assertEqual((now.shape, now.dtype), (points.shape, np.float64))
+                    self.assertAlmostEqual(planish.quality(now, cells).rms_radius_ratio, seen.rms, 6)
+                    np.testing.assert_array_equal(points, given)
+                    sweeps.append(now)
+
+                result = planish.smooth(points, cells, progress=look)
+                self.assertEqual(len(sweeps), result.sweeps)
+                self.assertGreater(len(sweeps), 2)
+                self.assertTrue((sweeps[0] != given).any() and (sweeps[0] != sweeps[1]).any())
+                np.testing.assert_array_equal(sweeps[-1], points)
+                for seen in kept:
+                    self.assertRaisesRegex(ValueError, "while progress is called", seen.points)
+
+    def test_points_of_a_surface_in_progress(self):
+        i, j = (index.ravel() for index in np.meshgrid(np.arange(24), np.arange(12), indexing="ij"))
+        points = np.column_stack([np.cos(np.pi * i / 12), np.sin(np.pi * i / 12), j / 8])  # of a tube
+        inner = (j > 0) & (j < 11)
+        points[inner, 2] += np.random.default_rng(3).uniform(-0.03, 0.03, inner.sum())
+        quads = np.array([[12 * a + b, 12 * ((a + 1) % 24) + b, 12 * ((a + 1) % 24) + b + 1, 12 * a + b + 1]
+                          for a in range(24) for b in range(11)])
+        start, sweeps = points.copy(), []
+
+        def look(seen):
+            if seen.sweep_done:
+                sweeps.append(seen.points())
+
+        planish.smooth(points, {"quad": quads}, progress=look)
+        self.assertTrue((sweeps[-1] != start).any())
+        np.testing.assert_array_equal(sweeps[-1], points)
+
     @unittest.skipUnless(hasattr(signal, "setitimer"), "there are no timers")
     def test_signals_end_it(self):
         """A handler's exception may come before the first line of what the library calls."""
@@ -397,6 +442,8 @@ class Plans(unittest.TestCase):
         low = points[cells][:, :, 2].max(axis=1) <= 2
         points[:, 2] *= np.where(points[:, 2] <= 2, 0.1, 1)
         np.testing.assert_array_equal(planish.find_layers(points, cells, threads=2), low)
+        self.assertEqual(planish.layer_heights(points, cells).all.min, 1)
+        self.assertEqual(planish.layer_heights(*box(3, amount=0)[:2]).all.n, 0)
 
     def test_values_are_shown(self):
         points, cells, _ = box(2)

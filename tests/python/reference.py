@@ -99,6 +99,32 @@ class Reference(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "hold, keep, ignore"):
             planish.smooth(points, {"hexahedron": cells}, layers="kept")
 
+    def test_heights_of_layers(self):
+        """Heights are those of plain differences, where columns are upright."""
+        start, cells = bricks(8)
+        start[:, :2] *= 30
+        layers = planish.find_layers(start, {"hexahedron": cells})
+        self.assertTrue(layers.any())
+        rows = int(np.unique(start[cells[layers]][:, :, 2]).size) - 1
+        moved = start.copy()
+        moved[np.arange(len(start)) % 9 == 1, 2] *= 1.25  # the lowest row is higher, the next one less high
+        found = planish.layer_heights(moved, {"hexahedron": cells}, start=start, per_node=True)
+        z = start[:9, 2]
+        second = (z[2] - 1.25 * z[1]) / (z[2] - z[1])
+        self.assertEqual(len(found.by_row), rows)
+        self.assertEqual([row.n for row in found.by_row], [81] * rows)
+        self.assertEqual((found.all.n, found.n_told, found.reference.min), (81 * rows, 0, 1))
+        for row, height in zip(found.by_row, [1.25, second] + [1] * rows):
+            for value in row.min, row.median, row.max:
+                self.assertAlmostEqual(value, height, 9)
+        self.assertAlmostEqual(found.off.max(), 0.25, 9)
+        self.assertEqual(found.off.shape, (len(start),))
+        self.assertEqual(found.as_dict()["by_row"][0]["n"], 81)
+        self.assertRegex(str(found), r"(?m)^edges +\d+$")
+        self.assertIsNone(planish.layer_heights(moved, {"hexahedron": cells}, start=start).off)
+        with self.assertRaisesRegex(ValueError, "start must have a row"):
+            planish.layer_heights(moved, {"hexahedron": cells}, start=start[1:])
+
     def test_refusals(self):
         points, cells, _ = box(3)
         for wrong in points[1:], 3.0, "text", points.astype(int), points[:, :2]:

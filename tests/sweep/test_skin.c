@@ -1,6 +1,6 @@
 /* The skin: nodes that slide on the shape of a surface, and how far that comes off it meanwhile. */
 #include "sweep/begin_end.h"
-#include "support/meshes.h"
+#include "support/barrel.h"
 #include "support/run.h"
 #include "support/sheets.h"
 
@@ -16,59 +16,8 @@
 
 #include <cmocka.h>
 
-enum { CELLS = 6 };
-
-/** A barrel of tetrahedra on its shape: a box whose cross-section is made round. Its side is a patch,
- *  its rims are curves, and the nodes within its ends slide on planes. */
-typedef struct round_mesh {
-    test_mesh base;
-    planish_mesh mesh;
-    planish_shape *shape;
-    planish_shape_info info;
-    planish_slide_info slides;
-    uint8_t *constraint;
-    double *direction;
-    planish_options options;
-} round_mesh;
-
-/** Make the square [-1, 1]^2 a disc, the wider the nearer it is to the middle. */
-static void make_round(double *x) {
-    const double a = 2 * x[0] / CELLS - 1, b = 2 * x[1] / CELLS - 1, c = 2 * x[2] / CELLS - 1;
-    const double radius = 1.2 - 0.2 * c * c;
-    x[0] = radius * a * sqrt(1 - b * b / 2);
-    x[1] = radius * b * sqrt(1 - a * a / 2);
-    x[2] = c + 1;
-}
-
-static void round_create(round_mesh *m, int threads) {
-    *m = (round_mesh){.shape = NULL};
-    test_mesh_box(&m->base, 3, CELLS);
-    test_mesh_perturb(&m->base, 0.1, 3);
-    for (int64_t i = 0; i < m->base.mesh.n_nodes; i++)
-        make_round(m->base.coordinates + 3 * i);
-    m->mesh = m->base.mesh;
-    assert_int_equal(planish_shape_create(&m->mesh, NULL, 1, &m->shape, &m->info, NULL), 0);
-    m->constraint = calloc((size_t)m->mesh.n_nodes, 1);
-    m->direction = calloc((size_t)m->mesh.n_nodes * 3, sizeof *m->direction);
-    const planish_surface surface = {.shape = m->shape};
-    assert_int_equal(
-        planish_find_slides(&m->mesh, &surface, 1, m->constraint, m->direction, &m->slides, NULL),
-        0);
-    m->mesh.constraint = m->constraint;
-    m->mesh.direction = m->direction;
-    m->options = test_options(threads);
-    m->options.shape = m->shape;
-}
-
-static void round_destroy(round_mesh *m) {
-    planish_shape_destroy(m->shape);
-    free(m->constraint);
-    free(m->direction);
-    test_mesh_destroy(&m->base);
-}
-
 /** Distance of the surface at coordinates from the shape, proved, in edges. */
-static planish_shape_distance distance_of(const round_mesh *m, const double *coordinates) {
+static planish_shape_distance distance_of(const barrel *m, const double *coordinates) {
     planish_shape_distance distance;
     planish_mesh mesh = m->mesh;
     mesh.coordinates = coordinates;
@@ -76,12 +25,12 @@ static planish_shape_distance distance_of(const round_mesh *m, const double *coo
     return distance;
 }
 
-static int has_moved(const round_mesh *m, const double *coordinates, int64_t node) {
+static int has_moved(const barrel *m, const double *coordinates, int64_t node) {
     return memcmp(coordinates + 3 * node, m->mesh.coordinates + 3 * node, 3 * sizeof(double)) != 0;
 }
 
 /** Count the nodes of a constraint that have moved. */
-static int64_t count_moved(const round_mesh *m, const double *coordinates, int constraint) {
+static int64_t count_moved(const barrel *m, const double *coordinates, int constraint) {
     int64_t n = 0;
     for (int64_t i = 0; i < m->mesh.n_nodes; i++)
         n += m->constraint[i] == constraint && has_moved(m, coordinates, i);
@@ -92,8 +41,8 @@ static int64_t count_moved(const round_mesh *m, const double *coordinates, int c
 
 static void curved_surfaces_keep_their_shape(void **state) {
     (void)state;
-    round_mesh m;
-    round_create(&m, 1);
+    barrel m;
+    barrel_create(&m, 1);
     assert_true(m.slides.n_on_patch > 0 && m.slides.n_on_curve > 0 && m.slides.n_on_plane > 0);
     test_run run = test_smooth(&m.mesh, &m.options);
     const planish_shape_distance distance = distance_of(&m, run.coordinates);
@@ -117,7 +66,7 @@ static void curved_surfaces_keep_their_shape(void **state) {
     assert_int_equal(count_moved(&m, flat.coordinates, PLANISH_CONSTRAINT_ON_CURVE), 0);
     free(run.coordinates);
     free(flat.coordinates);
-    round_destroy(&m);
+    barrel_destroy(&m);
 }
 
 static void bits_do_not_depend_on_threads(void **state) {
@@ -125,8 +74,8 @@ static void bits_do_not_depend_on_threads(void **state) {
     const int threads[] = {1, 2, 3, 8};
     uint64_t first = 0;
     for (int i = 0; i < 4; i++) {
-        round_mesh m;
-        round_create(&m, threads[i]);
+        barrel m;
+        barrel_create(&m, threads[i]);
         m.options.worst = PLANISH_WORST_ANGLE;
         test_run run = test_smooth(&m.mesh, &m.options);
         planish_mesh after = m.mesh;
@@ -135,7 +84,7 @@ static void bits_do_not_depend_on_threads(void **state) {
             first = planish_checksum(&after);
         assert_true(planish_checksum(&after) == first);
         free(run.coordinates);
-        round_destroy(&m);
+        barrel_destroy(&m);
     }
 }
 
@@ -149,9 +98,9 @@ static int colour_of(const planish_plan *plan, int64_t star) {
 
 static void nodes_across_an_edge_have_two_colours(void **state) {
     (void)state;
-    round_mesh m;
+    barrel m;
     planish_plan *plan;
-    round_create(&m, 1);
+    barrel_create(&m, 1);
     assert_int_equal(planish_plan_create(&m.mesh, &m.options, &plan, NULL), 0);
     int *colour = malloc((size_t)m.mesh.n_nodes * sizeof *colour);
     for (int64_t i = 0; i < m.mesh.n_nodes; i++)
@@ -175,12 +124,12 @@ static void nodes_across_an_edge_have_two_colours(void **state) {
     assert_true(n > 100);
     free(colour);
     planish_plan_destroy(plan);
-    round_destroy(&m);
+    barrel_destroy(&m);
 }
 
 /** A run on the barrel that is begun. */
 typedef struct round_run {
-    round_mesh m;
+    barrel m;
     planish_plan *plan;
     planish_result result;
     double *coordinates;
@@ -190,7 +139,7 @@ typedef struct round_run {
 /** Begin a run; tolerance in edges, 0: the default. */
 static void begin_run(round_run *t, int threads, double tolerance) {
     *t = (round_run){.plan = NULL};
-    round_create(&t->m, threads);
+    barrel_create(&t->m, threads);
     if (tolerance > 0)
         t->m.options.surface_tolerance = tolerance;
     t->coordinates = test_copy_of(&t->m.mesh);
@@ -209,7 +158,7 @@ static void end_run(round_run *t) {
     pl_context_enter(NULL);
     planish_plan_destroy(t->plan);
     free(t->coordinates);
-    round_destroy(&t->m);
+    barrel_destroy(&t->m);
 }
 
 /** The first node on a patch; *x: its coordinates in the plan. */
@@ -394,8 +343,8 @@ static int interrupt(const planish_progress *progress, void *user) {
 
 static void stopping_at_any_time_keeps_the_shape(void **state) {
     (void)state;
-    round_mesh m;
-    round_create(&m, 1);
+    barrel m;
+    barrel_create(&m, 1);
     for (int n = 0; n < 60; n += 7) {
         interruption when = {n};
         m.options.progress = interrupt;
@@ -405,13 +354,13 @@ static void stopping_at_any_time_keeps_the_shape(void **state) {
         assert_true(distance_of(&m, run.coordinates).in_edges <= TOLERANCE);
         free(run.coordinates);
     }
-    round_destroy(&m);
+    barrel_destroy(&m);
 }
 
 static void runs_in_a_row_do_not_drift(void **state) {
     (void)state;
-    round_mesh m;
-    round_create(&m, 1);
+    barrel m;
+    barrel_create(&m, 1);
     planish_mesh first = m.mesh;
     double *coordinates = test_copy_of(&m.mesh);
     for (int i = 0; i < 4; i++) {
@@ -426,13 +375,13 @@ static void runs_in_a_row_do_not_drift(void **state) {
         assert_true(distance_of(&m, coordinates).in_edges <= TOLERANCE);
     }
     free(coordinates);
-    round_destroy(&m);
+    barrel_destroy(&m);
 }
 
 static void what_is_too_far_off_at_the_start_stays(void **state) {
     (void)state;
-    round_mesh m;
-    round_create(&m, 1);
+    barrel m;
+    barrel_create(&m, 1);
     planish_mesh first = m.mesh;
     double *coordinates = test_copy_of(&m.mesh);
     int64_t node = m.mesh.n_nodes / 2;
@@ -448,7 +397,7 @@ static void what_is_too_far_off_at_the_start_stays(void **state) {
                 m.slides.n_on_patch / 2);
     free(run.coordinates);
     free(coordinates);
-    round_destroy(&m);
+    barrel_destroy(&m);
 }
 
 /** The caller's surface: a node stays on the plane that it is on; *user counts. */
@@ -465,8 +414,8 @@ static planish_constraint project(int64_t node, double *point, double *direction
 static void other_options_go_with_it(void **state) {
     (void)state;
     for (int which = 0; which < 6; which++) {
-        round_mesh m;
-        round_create(&m, 2);
+        barrel m;
+        barrel_create(&m, 2);
         int64_t of[2] = {m.mesh.n_nodes / 2, 0};
         if (which == 0)
             m.options.precision = PLANISH_PRECISION_FLOAT;
@@ -500,16 +449,16 @@ static void other_options_go_with_it(void **state) {
         if (which == 5)
             assert_true(of[1] > 0);
         free(run.coordinates);
-        round_destroy(&m);
+        barrel_destroy(&m);
     }
 }
 
 static void wrong_shapes_are_refused(void **state) {
     (void)state;
-    round_mesh m;
+    barrel m;
     planish_plan *plan;
     planish_error error;
-    round_create(&m, 1);
+    barrel_create(&m, 1);
     /* of a mesh of another number of nodes */
     test_mesh other;
     test_mesh_box(&other, 3, 2);
@@ -521,7 +470,7 @@ static void wrong_shapes_are_refused(void **state) {
                      PLANISH_ERROR_ARGUMENT);
     test_mesh_destroy(&other);
     /* of a mesh of other facets */
-    test_mesh_box(&other, 3, CELLS);
+    test_mesh_box(&other, 3, BARREL_CELLS);
     test_mesh_renumber(&other, 5, NULL);
     planish_mesh renumbered = m.mesh;
     renumbered.elements = other.elements;
@@ -564,13 +513,13 @@ static void wrong_shapes_are_refused(void **state) {
     planish_plan_destroy(plan);
     planish_shape_destroy(twin);
     free(coordinates);
-    round_destroy(&m);
+    barrel_destroy(&m);
 }
 
 static void tolerances_are_kept(void **state) {
     (void)state;
-    round_mesh m;
-    round_create(&m, 1);
+    barrel m;
+    barrel_create(&m, 1);
     double before = 0;
     const double tolerances[] = {1e-4, 3e-3, 2e-2};
     for (int i = 0; i < 3; i++) {
@@ -582,7 +531,7 @@ static void tolerances_are_kept(void **state) {
         before = distance;
         free(run.coordinates);
     }
-    round_destroy(&m);
+    barrel_destroy(&m);
 }
 
 int main(void) {

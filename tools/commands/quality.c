@@ -136,6 +136,8 @@ static int measure_job(quality_run *r, pl_job *job, pl_compared *mesh) {
     pl_progress_stage(&r->progress, PL_STAGE_MEASURING);
     if ((status = pl_cells_measure(job, &measured->cells)))
         return status;
+    if (job->is_surface && (status = pl_held_find_in_run(job)))
+        return status;
     if ((status = pl_worst_find_asked(job, &measured->cells, &measured->worst)))
         return status;
     if ((status = measure_surface(job, &measured->surface)))

@@ -168,6 +168,9 @@ static int prepare(pl_job *job, pl_result *result, pl_progress *progress) {
         return status;
     if ((status = pl_reversed_find(job, result->before.n_reversed, &result->reversed.before)))
         return status;
+    const int is_compared = job->arguments->command == PL_COMMAND_COMPARE; /* whoever moved nodes */
+    if (!is_compared && (status = pl_held_find_in_run(job)))
+        return status;
     status = take_for_reports(job, "before", &result->validity_before, &result->input_checksum,
                               &result->worst_before, &result->picture);
     if (job->onto.fit) /* the file's, not that of the mesh as it was fitted */

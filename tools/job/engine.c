@@ -67,6 +67,10 @@ static int get_held(const pl_job *job, uint8_t *reason, planish_error *error) {
     return planish_plan_get_held(job->plan, job->mesh.coordinates, reason, error);
 }
 
+static int find_held(const pl_job *job, uint8_t *held, planish_error *error) {
+    return planish_find_held(job->plan, job->mesh.coordinates, &job->options, held, error);
+}
+
 static int measure(const pl_job *job, planish_quality *quality, planish_error *error) {
     return planish_measure(job->plan, job->mesh.coordinates, quality, error);
 }
@@ -98,6 +102,7 @@ const pl_engine pl_engine_here = {.plan_create = plan_create,
                                   .plan_destroy = plan_destroy,
                                   .get_free = get_free,
                                   .get_held = get_held,
+                                  .find_held = find_held,
                                   .measure = measure,
                                   .measure_elements = measure_elements,
                                   .find_states = find_states,
@@ -183,6 +188,10 @@ static int get_held_on_surface(const pl_job *job, uint8_t *reason, planish_error
     return failed ? pl_fail_memory(error, "values of nodes") : PLANISH_OK;
 }
 
+static int find_held_on_surface(const pl_job *job, uint8_t *held, planish_error *error) {
+    return planish_find_held_on_surface(&job->mesh, &job->options, held, error);
+}
+
 static int measure_on_surface(const pl_job *job, planish_quality *quality, planish_error *error) {
     return planish_measure_surface(job->curved.shape, &job->mesh, job->options.threads, quality,
                                    NULL, NULL, NULL, error);
@@ -215,6 +224,7 @@ const pl_engine pl_engine_of_surface = {.plan_create = plan_create_on_surface,
                                         .plan_destroy = plan_destroy_on_surface,
                                         .get_free = get_free_on_surface,
                                         .get_held = get_held_on_surface,
+                                        .find_held = find_held_on_surface,
                                         .measure = measure_on_surface,
                                         .measure_elements = measure_elements_on_surface,
                                         .find_states = find_states_on_surface,

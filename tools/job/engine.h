@@ -33,6 +33,8 @@ typedef struct pl_engine {
     int (*get_free)(const struct pl_job *job, uint8_t *is_free, planish_error *error);
     /* NULL: the reasons are not known. */
     int (*get_held)(const struct pl_job *job, uint8_t *reason, planish_error *error);
+    /* As planish_find_held; NULL: not known. */
+    int (*find_held)(const struct pl_job *job, uint8_t *held, planish_error *error);
     int (*measure)(const struct pl_job *job, planish_quality *quality, planish_error *error);
     int (*measure_elements)(const struct pl_job *job, double *ratio, planish_error *error);
     /* with_state: whether found->state is asked for. */

@@ -12,6 +12,7 @@
 #include "base/clock.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -182,6 +183,50 @@ int pl_held_count(pl_job *job) {
     free(bits);
     job->shape_seconds += pl_seconds() - begin;
     return status;
+}
+
+/* ---- movable nodes that smoothing holds ------------------------------------------------------ */
+
+/** By planish_held_by. */
+static const struct {
+    const char *name, *text;
+} in_run[] = {{NULL, NULL},
+              {"bounds", "held outside of the bounds"},
+              {"tolerance", "held by the surface's tolerance"},
+              {"sheet", "held near another sheet of the surface"},
+              {"surface", "held by the surface"}};
+
+const char *pl_held_name_in_run(planish_held_by reason) {
+    return in_run[reason].name;
+}
+
+const char *pl_held_text_in_run(const char *name) {
+    for (size_t i = 1; i < sizeof in_run / sizeof *in_run; i++)
+        if (strcmp(in_run[i].name, name) == 0)
+            return in_run[i].text;
+    return "held";
+}
+
+/** Whether the options bound nodes, or let them slide along a shape. */
+static int may_hold(const planish_options *options) {
+    int may = options->shape != NULL;
+    for (int d = 0; d < 3; d++)
+        may |= options->box_lower[d] > -INFINITY || options->box_upper[d] < INFINITY;
+    return may;
+}
+
+int pl_held_find_in_run(pl_job *job) {
+    const pl_arguments *arguments = job->arguments;
+    const int is_asked = arguments->json || arguments->report || arguments->n_worst > 0;
+    planish_error error;
+    if (!is_asked || !job->engine->find_held || !may_hold(&job->options))
+        return 0;
+    job->held_in_run = malloc((size_t)job->mesh.n_nodes + 1);
+    if (!job->held_in_run)
+        return pl_job_complain_memory(job, "values of nodes");
+    return job->engine->find_held(job, job->held_in_run, &error)
+               ? pl_job_complain(job, PL_EXIT_FAILED, &error)
+               : 0;
 }
 
 /* ---- saying --------------------------------------------------------------------------------- */

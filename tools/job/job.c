@@ -774,6 +774,7 @@ void pl_job_close(pl_job *job) {
     free(job->wrapped);
     free(job->is_layer);
     free(job->in_layer);
+    free(job->held_in_run);
     free(job->released_by);
     free(job->direction);
     free(job->constraint);

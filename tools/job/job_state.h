@@ -123,6 +123,9 @@ typedef struct pl_job {
     uint8_t *in_layer;   /* [mesh.n_nodes] 1: held as a node of a layer; owned, or NULL: none is */
     pl_layers layers;
     pl_held held;
+    uint8_t *
+        held_in_run; /* [mesh.n_nodes] of planish_held_by, where nodes are when smoothing begins; owned,
+                             or NULL: nobody asks, or nothing holds movable nodes */
     pl_curved curved;
     pl_onto onto;
     pl_like like;

@@ -127,7 +127,7 @@ static void place(const pl_job *job, const pl_cells *cells, const uint8_t *is_fr
     const int dim = job->mesh.dim, element_dim = pl_job_element_dim(job);
     const double *vertex[4] = {NULL};
     const planish_cells *of = cells_of(job, cells);
-    int n, n_present = 0;
+    int n, n_present = 0, may_move = 0;
     const int32_t *nodes = nodes_of(job, cells, bad->element, &n);
     for (int k = 0; k < n; k++)
         n_present += nodes[k] >= 0;
@@ -145,9 +145,14 @@ static void place(const pl_job *job, const pl_cells *cells, const uint8_t *is_fr
         if (k <= element_dim)
             vertex[k] = at;
         node[bad->n_nodes++] = planish_file_node_number(job->file, nodes[k]);
-        bad->is_movable |=
-            is_free && (is_free[nodes[k]] ||
-                        (job->plan_info.n_sliding > 0 && constraint > PLANISH_CONSTRAINT_FIXED));
+        if (is_free && (is_free[nodes[k]] ||
+                        (job->plan_info.n_sliding > 0 && constraint > PLANISH_CONSTRAINT_FIXED))) {
+            const uint8_t by = job->held_in_run ? job->held_in_run[nodes[k]] : 0;
+            bad->is_movable = 1;
+            may_move |= by == PLANISH_HELD_BY_NONE;
+            if (bad->held_by == PLANISH_HELD_BY_NONE || by < bad->held_by)
+                bad->held_by = (planish_held_by)by;
+        }
         /* Its part of the middle, in the file's columns. */
         if (columns > dim &&
             planish_file_space_coordinates(job->file, nodes[k], 1, at, xyz, NULL) == 0)
@@ -155,6 +160,8 @@ static void place(const pl_job *job, const pl_cells *cells, const uint8_t *is_fr
         for (int d = 0; d < columns; d++)
             bad->place[d] += at[d] / n_present;
     }
+    if (may_move)
+        bad->held_by = PLANISH_HELD_BY_NONE;
     bad->smallest_angle_deg = bad->largest_angle_deg = NAN;
     if (!cells) {
         const pl_angles angles =

@@ -1,6 +1,8 @@
 /* page_worst: where the worst elements of a mesh are. */
 #include "report/page_parts.h"
 
+#include "job/held.h"
+
 #include <math.h>
 
 /** Put an angle with its unit. */
@@ -22,12 +24,21 @@ static void put_numbers(pl_markup *page, const cJSON *object, const char *key, i
     }
 }
 
+/** Put whether an element has a movable node, and what holds all of these. */
+static void put_movable(pl_markup *page, const cJSON *element) {
+    const cJSON *movable = cJSON_GetObjectItemCaseSensitive(element, "movable");
+    const char *held = pl_figure_text(element, "held");
+    pl_markup_put(page, "</td><td class=\"%s wide\">%s%s", held[0] ? "wrap" : "word",
+                  cJSON_IsFalse(movable) ? "no" : "yes", held[0] ? ", but " : "");
+    pl_markup_put_text(page, held[0] ? pl_held_text_in_run(held) : "");
+    pl_markup_put(page, "</td>");
+}
+
 static void put_element(pl_markup *page, const cJSON *element, int has_types, int has_regions) {
     enum { SOME = 5, ALL = 17 }; /* digits */
     const char *ratio = has_types ? "aspect_ratio" : "radius_ratio";
     const int is_inverted = cJSON_IsNull(cJSON_GetObjectItemCaseSensitive(element, ratio));
     const double number = pl_figure(element, "element");
-    const cJSON *movable = cJSON_GetObjectItemCaseSensitive(element, "movable");
     pl_markup_put(page, "<tr><th scope=\"row\">");
     pl_markup_put_digits(page, number, ALL);
     if (has_types) {
@@ -53,8 +64,8 @@ static void put_element(pl_markup *page, const cJSON *element, int has_types, in
         pl_markup_put(page, "</td><td>");
         put_degrees(page, pl_figure(element, "max_angle_deg"));
     }
-    pl_markup_put(page, "</td><td class=\"word wide\">%s</td><td class=\"word wide\">",
-                  cJSON_IsFalse(movable) ? "no" : "yes");
+    put_movable(page, element);
+    pl_markup_put(page, "<td class=\"word wide\">");
     put_numbers(page, element, "place", SOME, ", ");
     pl_markup_put(page, "</td><td class=\"wrap wide\">");
     put_numbers(page, element, "nodes", ALL, " ");

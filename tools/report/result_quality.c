@@ -1,6 +1,8 @@
 /* result_quality: measures of a mesh as JSON. */
 #include "report/result_quality.h"
 
+#include "job/held.h"
+
 #include <math.h>
 
 static void add_spread(pl_json *json, cJSON *quality, const char *name, const planish_spread *s) {
@@ -53,6 +55,10 @@ static void add_worst_elements(pl_json *json, cJSON *quality, const pl_job *job,
         else
             pl_json_add(json, element, "region", cJSON_CreateNull());
         pl_json_add(json, element, "movable", cJSON_CreateBool(bad->is_movable));
+        if (bad->held_by)
+            pl_json_text(json, element, "held", pl_held_name_in_run(bad->held_by));
+        else
+            pl_json_add(json, element, "held", cJSON_CreateNull());
     }
 }
 

@@ -1,6 +1,7 @@
 /* table_worst: the worst elements of a mesh. */
 #include "report/table.h"
 
+#include "job/held.h"
 #include "report/table_rows.h"
 #include "terminal/terminal.h"
 #include "terminal/text.h"
@@ -53,6 +54,10 @@ static void put_bad_element(FILE *stream, const pl_bad_element *bad, const pl_wo
     }
     if (!bad->is_movable)
         width = put_further(stream, ", all fixed", width);
+    if (bad->held_by) {
+        width = put_further(stream, ", all ", width);
+        width = put_further(stream, pl_held_text_in_run(pl_held_name_in_run(bad->held_by)), width);
+    }
     if (bad->region) {
         const char *word = ", in ";
         const int room = pl_terminal_text_width(stream) - width - (int)strlen(word);

@@ -25,16 +25,17 @@ from ._files import Mesh, read, write
 from ._formats import Format, formats
 from ._library import version
 from ._plan import Plan
-from ._quality import checksum, find_layers, find_sizes, find_slides, quality, size_quality
-from ._results import (CellMeasures, CellQuality, CellValues, FitInfo, Quality, Result, ShapeDistance, ShapeInfo,
-                       SizeQuality, SlideInfo, Slides, Spread)
+from ._quality import checksum, find_layers, find_sizes, find_slides, layer_heights, quality, size_quality
+from ._results import (CellMeasures, CellQuality, CellValues, FitInfo, LayerHeights, LayerRow, Quality, Result,
+                       ShapeDistance, ShapeInfo, SizeQuality, SlideInfo, Slides, Spread)
+from ._run import Progress
 from ._shapes import Shape
 from ._smooth import smooth
-from ._structures import Progress
 
 __version__ = version()
 
 __all__ = ["CellMeasures", "CellQuality", "CellValues", "ConversionWarning", "Error", "FileError", "FitInfo", "Format",
-           "Mesh", "Plan", "Progress", "Quality", "Result", "Shape", "ShapeDistance", "ShapeInfo", "SizeQuality",
-           "SlideInfo", "Slides", "Spread", "accessor", "checksum", "find_layers", "find_sizes", "find_slides", "formats",
-           "quality", "read", "size_quality", "smooth", "version", "write"]
+           "LayerHeights", "LayerRow", "Mesh", "Plan", "Progress", "Quality", "Result", "Shape", "ShapeDistance",
+           "ShapeInfo", "SizeQuality", "SlideInfo", "Slides", "Spread", "accessor", "checksum", "find_layers",
+           "find_sizes", "find_slides", "formats", "layer_heights", "quality", "read", "size_quality", "smooth", "version",
+           "write"]

@@ -106,6 +106,12 @@ class Points:
         room = np.zeros(max(n - 1, 0) * strides[0] + (dim - 1) * strides[1] + 1)
         return np.lib.stride_tricks.as_strided(room, self.points.shape, tuple(8 * step for step in strides))
 
+    def copy(self) -> Array:
+        """Return a copy of the array, with its steps."""
+        found = self._room(self.strides)
+        found[...] = self.array
+        return found
+
     def write_back(self) -> None:
         """Copy the coordinates back to the caller's array, unless the library has used that array itself."""
         if self.array is not self.points:

@@ -12,7 +12,8 @@ from ._arrays import Array
 from ._layers import KEEP_BY_TYPE
 from ._library import whole
 from ._regions import BY_RULE
-from ._structures import Options, Progress
+from ._run import Progress
+from ._structures import Options
 from ._view import View
 
 Objective = Literal["radius-ratio", "mean-ratio", "edge-ratio", "worst"]

@@ -12,8 +12,8 @@ from ._arrays import Points, address, pointer
 from ._choices import RunChoices
 from ._library import call, library, threads_to_use
 from ._plan import Plan
-from ._results import Result
-from ._structures import LayerHeights, MeshView
+from ._results import LayerHeights, Result
+from ._structures import MeshView
 from ._view import View
 
 _MUCH, _HELD_FROM = 0.1, 0.05  # parts of a height, as in the program (tools/job/heights.c)

@@ -21,9 +21,9 @@ from ._layers import take_layers
 from ._library import call, library, new_options, threads_to_use, whole
 from ._regions import BY_RULE
 from ._results import FitInfo, Quality, Result, ShapeDistance, SlideInfo
-from ._run import watched
+from ._run import Progress, watched
 from ._shapes import Shape, shape_for
-from ._structures import Options, Progress
+from ._structures import Options
 from ._view import View
 from ._views import Holding, Source, view_of
 
@@ -449,7 +449,7 @@ class Plan:
 
             self._smoother = threading.get_ident()
             try:
-                watched(options, choices.progress, work)
+                watched(options, choices.progress, taken, work)
             finally:
                 self._smoother = 0
         return result

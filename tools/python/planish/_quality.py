@@ -14,7 +14,7 @@ from ._choices import Fix, PlanChoices
 from ._files import opened
 from ._library import call, library, new_options, threads_to_use
 from ._regions import BY_RULE
-from ._results import CellQuality, Quality, SizeQuality, Slides
+from ._results import CellQuality, LayerHeights, Quality, SizeQuality, Slides
 from ._shapes import shape_for
 from ._surfaces import SpaceSurface
 from ._view import View
@@ -148,6 +148,30 @@ def find_layers(points: Any, cells: Any = None, *, threads: int = 0) -> NDArray[
         threads: as for Plan
     """
     return _layers.layers_of(view_of(Source(points, cells), Holding(regions=None), threads))
+
+
+def layer_heights(points: Any, cells: Any = None, *, start: Any = None, per_node: bool = False,
+                  threads: int = 0) -> LayerHeights:
+    """Return the heights of layers, in parts of the heights that are wanted.
+
+    Args:
+        points: as for Plan
+        cells: as for Plan
+        start: points [n, 2 or 3], a mesh or a path with the same elements, with the layers and heights that are wanted.
+            Where a wall has moved there, the rows inside tell the heights. None: points
+        per_node: measure at each node, too; the result then has off [n]
+        threads: as for Plan
+    """
+    view, found = view_of(Source(points, cells), Holding(regions=None), threads), LayerHeights()
+    places = view.mesh.coordinates
+    if start is not None:
+        view.move_to(opened(start), "start")
+    view.give("is_layer", _layers.layers_of(view).astype(np.uint8))
+    view.mesh.reference, view.mesh.coordinates = view.mesh.coordinates, places
+    off = np.zeros(view.n) if per_node else None
+    call(library.planish_measure_layers, byref(view.mesh), threads_to_use(threads), byref(found), pointer(off))
+    found.off = off
+    return found
 
 
 def checksum(points: Any, cells: Any = None) -> int:

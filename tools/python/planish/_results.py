@@ -272,6 +272,49 @@ class SizeQuality(Printed):
 
 
 @fields
+class LayerRow(Printed):
+    """Heights of edges across layers, in parts of the wanted ones: planish_layer_row of planish.h, field by field."""
+
+    n: Int64
+    min: Double
+    median: Double
+    max: Double
+
+
+@fields
+class LayerHeights(Printed):
+    """Heights of layers against the wanted heights: planish_layer_heights of planish.h.
+
+    all has those of all edges across layers, by_row those of each row from the thin end on. With per_node off [n] is the
+    largest |height / wanted - 1| of the edges at each node, else None.
+    """
+
+    off: Optional[NDArray[np.float64]] = None
+
+    all: LayerRow
+    reference: LayerRow
+    n_told: Int64
+    _n_rows: Int
+    _row: Annotated[Sequence[LayerRow], LayerRow * 32]
+    reserved: Annotated[Any, c_double * 2]
+
+    @property
+    def by_row(self) -> list[LayerRow]:
+        """Heights of each row; the last one has all beyond it."""
+        return list(self._row[:self._n_rows])
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the values by name."""
+        return {"all": self.all.as_dict(), "reference": self.reference.as_dict(), "n_told": self.n_told,
+                "by_row": [row.as_dict() for row in self.by_row]}
+
+    def rows(self) -> Rows:
+        """Return the names and values of the table that print shows."""
+        return [("edges", self.all.n), ("height, least", self.all.min), ("height, median", self.all.median),
+                ("height, largest", self.all.max)]
+
+
+@fields
 class Result(Printed):
     """Result of smoothing: planish_result of planish.h, field by field.
 

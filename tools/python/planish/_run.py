@@ -6,14 +6,50 @@ import sys
 import threading
 from typing import Any, Callable, Optional
 
-from ._structures import PROGRESS, Options, Progress
+import numpy as np
+from numpy.typing import NDArray
+
+from ._arrays import Points, pointer
+from ._library import call, library
+from ._structures import PROGRESS, Options, ProgressFields
+
+
+class Progress(ProgressFields):
+    """State of a run: planish_progress of planish.h, field by field. Times are in seconds."""
+
+    _seen: Any = None  # pointer to the library's own, while progress is called
+    _start: Optional[Points] = None
+
+    @classmethod
+    def of(cls, seen: Any, start: Points) -> Progress:
+        """Return a copy of what the library shows, for modules of this package. start: the points being smoothed."""
+        made = cls.from_buffer_copy(seen.contents)
+        made._seen, made._start = seen, start
+        return made
+
+    def end(self) -> None:
+        """Forget where the nodes are, for modules of this package: the library is about to go on."""
+        self._seen = self._start = None
+
+    def points(self) -> NDArray[np.float64]:
+        """Return the coordinates of the nodes [n, 2 or 3] at the end of the sweep: those that the figures describe.
+
+        planish_progress_get_coordinates of planish.h has the details. Raise ValueError, except while progress is called
+        and sweep_done is not 0.
+        """
+        if self._start is None or not self.sweep_done:
+            raise ValueError("points are known only while progress is called, where sweep_done is not 0")
+        found = self._start.copy()
+        call(library.planish_progress_get_coordinates, self._seen, pointer(found))
+        return np.ascontiguousarray(found)
 
 
 class _Watch:
     """Function for the library to call, which calls the caller's progress."""
 
-    def __init__(self, progress: Callable[[Progress], Any]) -> None:
+    def __init__(self, progress: Callable[[Progress], Any], points: Points) -> None:
         self.progress = progress
+        self.points = points
         self.raised: list[BaseException] = []
         self.hook = sys.unraisablehook
 
@@ -22,7 +58,11 @@ class _Watch:
         if self.raised:
             return 1
         try:
-            return bool(self.progress(Progress.from_buffer_copy(seen.contents)))
+            shown = Progress.of(seen, self.points)
+            try:
+                return bool(self.progress(shown))
+            finally:
+                shown.end()
         except BaseException as exception:  # pylint: disable=broad-except
             self.raised.append(exception)
             return 1
@@ -35,13 +75,14 @@ class _Watch:
             self.hook(unraisable)
 
 
-def watched(options: Options, progress: Optional[Callable[[Progress], Any]], work: Callable[[], None]) -> None:
-    """Do work, which calls the library with options. Then raise the exception that progress raised, if any."""
+def watched(options: Options, progress: Optional[Callable[[Progress], Any]], points: Points,
+            work: Callable[[], None]) -> None:
+    """Do work, which smooths points with options. Then raise the exception that progress raised, if any."""
     if progress is None:
         options.progress = PROGRESS(0)
         work()
         return
-    watch = _Watch(progress)
+    watch = _Watch(progress, points)
     note = watch.note
     options.progress = PROGRESS(watch)
     if threading.current_thread() is threading.main_thread():  # where handlers of signals run

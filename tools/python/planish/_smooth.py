@@ -14,8 +14,8 @@ from ._plan import Plan
 from ._promises import promises_for
 from ._regions import BY_RULE
 from ._results import Result
+from ._run import Progress
 from ._shapes import Shape
-from ._structures import Progress
 from ._surfaces import SpaceSurface
 from ._views import Source
 

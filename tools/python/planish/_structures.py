@@ -81,28 +81,6 @@ class CellValueArrays(Structure):
 
 
 @fields
-class LayerRow(Structure):
-    """planish_layer_row."""
-
-    n: Int64
-    min: Double
-    median: Double
-    max: Double
-
-
-@fields
-class LayerHeights(Structure):
-    """planish_layer_heights."""
-
-    all: Annotated[LayerRow, LayerRow]
-    reference: Annotated[LayerRow, LayerRow]
-    n_told: Int64
-    n_rows: Int
-    row: Annotated[Any, LayerRow * 32]
-    reserved: Annotated[Any, c_double * 2]
-
-
-@fields
 class Surface(Structure):
     """planish_surface."""
 
@@ -135,8 +113,8 @@ class CellArray(Structure):
 
 
 @fields
-class Progress(Structure):
-    """State of a run: planish_progress of planish.h, field by field. Times are in seconds."""
+class ProgressFields(Structure):
+    """planish_progress."""
 
     sweep: Int
     colour: Int
@@ -156,7 +134,7 @@ class Progress(Structure):
     reserved: Numbers2
 
 
-PROGRESS = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.POINTER(Progress), c_void_p)
+PROGRESS = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.POINTER(ProgressFields), c_void_p)
 
 
 @fields

@@ -103,7 +103,7 @@ class SpaceSurface:
             call(library.planish_smooth_surface, byref(view.mesh), pointer(taken.array), byref(options), byref(result))
             taken.write_back()
 
-        watched(options, run.progress, work)
+        watched(options, run.progress, taken, work)
         return result
 
     def quality(self, per_element: bool) -> Quality:

@@ -16,9 +16,9 @@ from ._choices import Direction, Fix, Layers, Length, Method, Nodes, Objective, 
 from ._quality import find_layers, quality
 from ._regions import BY_RULE
 from ._results import Quality, Result
+from ._run import Progress
 from ._shapes import Shape
 from ._smooth import smooth
-from ._structures import Progress
 
 NAME = "planish"
 
