@@ -191,7 +191,8 @@ def judge(source, target, report=None, way="default", status=None):
     old, new = _figures(meshes, meshes.x), _figures(meshes, meshes.y)
     if meshes.is_in_space or (way == "best" and meshes.dim == 3):
         faults += stays.on_surface(meshes)
-        faults += stays.in_planes(meshes, False)
+        if not meshes.is_in_space:  # where regions end at curves
+            faults += stays.in_planes(meshes, False)
     elif way == "default":
         faults += stays.held_nodes(meshes)
     else:
