@@ -285,8 +285,8 @@ class LayerRow(Printed):
 class LayerHeights(Printed):
     """Heights of layers against the wanted heights: planish_layer_heights of planish.h.
 
-    all has those of all edges across layers, by_row those of each row from the thin end on. With per_node off [n] is by how much
-    of what is wanted the height of an edge at the node is off at most, else None.
+    all has those of all edges across layers, by_row those of each row from the thin end on. With per_node off [n] is
+    by how much of what is wanted the height of an edge at the node is off at most, else None.
     """
 
     off: Optional[NDArray[np.float64]] = None
