@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "shape/curved.h"
 
 #include <math.h>
 #include <string.h>
@@ -76,13 +77,39 @@ static int closes(const pl_mend *c, int32_t mid) {
     return 1;
 }
 
-/** Whether the caller's choice of nodes, if there is one, has an end of a mid's edge. */
-static int has_chosen_end(const pl_mend *c, int32_t mid) {
+static int has_simplices_alone(const pl_mend *c, int32_t node) {
+    for (int64_t k = c->begin[node]; k < c->begin[node + 1]; k++)
+        if (!pl_mend_is_simplex(c, c->at[k]))
+            return 0;
+    return 1;
+}
+
+/** Whether an end of a mid's edge moves. */
+static int has_moving_end(const pl_mend *c, int32_t mid) {
     const int64_t element = c->at[c->begin[mid]];
     const uint8_t *ends = pl_mend_ends(c, mid);
-    return (!c->options->around && !c->plan->is_selective) ||
-           c->mobility[pl_mend_corner(c, element, ends[0])] != PL_HELD ||
+    return c->mobility[pl_mend_corner(c, element, ends[0])] != PL_HELD ||
            c->mobility[pl_mend_corner(c, element, ends[1])] != PL_HELD;
+}
+
+/** Whether the caller's choice of nodes, if there is one, has an end of a mid's edge. */
+static int has_chosen_end(const pl_mend *c, int32_t mid) {
+    return (!c->options->around && !c->plan->is_selective) || has_moving_end(c, mid);
+}
+
+/** Whether a node is on the shape that the surface is to keep, be it between regions. */
+static int is_on_shape(const pl_mend *c, int32_t node) {
+    const planish_shape *shape = c->options->shape;
+    return shape && shape->number[node] >= 0;
+}
+
+/** Kind of a node that follows others. On the shape it goes where the skin says: proofs cannot tell. */
+static pl_mend_kind kind_of_mid(const pl_mend *c, int32_t node, int role) {
+    if (!has_simplices_alone(c, node) || (role & (PL_OF_EDGES | PL_BOUND)))
+        return PL_MEND_HELD;
+    if (is_on_shape(c, node))
+        return has_moving_end(c, node) ? PL_MEND_SLIDES : PL_MEND_HELD;
+    return closes(c, node) && has_chosen_end(c, node) ? PL_MEND_MID : PL_MEND_HELD;
 }
 
 /** Mobility of a node as a corner; a mid has none. */
@@ -97,22 +124,12 @@ static int mobility_of(const pl_mend *c, int32_t node) {
     return PL_HELD;
 }
 
-static int has_simplices_alone(const pl_mend *c, int32_t node) {
-    for (int64_t k = c->begin[node]; k < c->begin[node + 1]; k++)
-        if (!pl_mend_is_simplex(c, c->at[k]))
-            return 0;
-    return 1;
-}
-
 static pl_mend_kind find_kind(const pl_mend *c, int32_t node) {
     const int role = c->plan->role[node];
     if (c->begin[node] == c->begin[node + 1] || (c->is_outside && c->is_outside[node]))
         return PL_MEND_HELD;
     if (pl_follows((uint8_t)role))
-        return has_simplices_alone(c, node) && !(role & (PL_OF_EDGES | PL_BOUND)) &&
-                       closes(c, node) && has_chosen_end(c, node)
-                   ? PL_MEND_MID
-                   : PL_MEND_HELD;
+        return kind_of_mid(c, node, role);
     const int mobility = mobility_of(c, node);
     if (mobility == PL_INTERIOR && !(role & (PL_OF_MID | PL_OF_OTHER)) &&
         has_simplices_alone(c, node))
