@@ -295,6 +295,7 @@ int pl_surface_run_begin(pl_surface_run *r, planish_error *error) {
                                       .start = (const double(*)[3])r->start,
                                       .slide = r->slide,
                                       .skin = &r->skin,
+                                      .storage = r->skin.storage,
                                       .lower = (const double(*)[3])r->lower,
                                       .upper = (const double(*)[3])r->upper,
                                       .radius = r->radius,

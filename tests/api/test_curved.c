@@ -191,6 +191,15 @@ static void finish(trial *t) {
 
 /* ---- promises ------------------------------------------------------------------------------- */
 
+/** Moved coordinates are floats, if that is asked for. */
+static void check_floats(const trial *t) {
+    for (int64_t i = 0; t->options.precision && i < 3 * t->body.mesh.n_nodes; i++) {
+        const volatile float narrow = (float)t->x[0][i];
+        check_that(t, t->x[0][i] == (double)narrow || t->x[0][i] == t->body.x[i],
+                   "moved coordinates are floats");
+    }
+}
+
 /** Valid elements stay valid, and nodes that are held stay. Returns how many nodes moved. */
 static int64_t check_mesh(const trial *t) {
     const planish_mesh *mesh = &t->body.mesh;
@@ -327,6 +336,7 @@ static void bodies_keep_their_shape(void **unused) {
         double worth;
         prepare(&t, one ? strtoll(one, NULL, 10) : i, 0);
         const int64_t moved = check_mesh(&t);
+        check_floats(&t);
         check_distance(&t, &worth);
         check_features(&t);
         check_crossings(&t);
@@ -564,6 +574,7 @@ static void sheets_keep_their_shape(void **unused) {
         double worth;
         prepare_sheet(&t, one ? strtoll(one, NULL, 10) : i);
         n_moved += check_sheet(&t);
+        check_floats(&t);
         check_distance(&t, &worth);
         check_features(&t);
         check_crossings(&t);
