@@ -16,11 +16,15 @@ PACKED = {".h5", ".hdf", ".vtkhdf", ".med", ".mmed", ".rmed", ".cgns", ".vtu", "
 COLUMNS = {".bdf", ".nas", ".fem", ".unv", ".uff"}  # numbers without blanks between them
 # Nodes of Gmsh's types in VTK's order.
 GMSH_TYPES = {2: "triangle", 3: "quad", 4: "tetra", 5: "hexahedron", 6: "wedge", 7: "pyramid", 9: "triangle6",
-              10: "quad9", 11: "tetra10", 16: "quad8", 17: "hexahedron20", 18: "wedge15", 1: "line", 8: "line3",
-              15: "vertex"}
+              10: "quad9", 11: "tetra10", 13: "wedge18", 16: "quad8", 17: "hexahedron20", 18: "wedge15", 1: "line",
+              8: "line3", 15: "vertex"}
 GMSH_ORDER = {"tetra10": [0, 1, 2, 3, 4, 5, 6, 7, 9, 8],
               "hexahedron20": [0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15],
-              "wedge15": [0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11]}
+              "wedge15": [0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11],
+              "wedge18": [0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11, 15, 17, 16]}
+VTK_TYPES = {1: "vertex", 3: "line", 5: "triangle", 9: "quad", 10: "tetra", 12: "hexahedron", 13: "wedge", 14: "pyramid",
+             21: "line3", 22: "triangle6", 23: "quad8", 24: "tetra10", 25: "hexahedron20", 26: "wedge15", 27: "pyramid13",
+             28: "quad9", 29: "hexahedron27", 32: "wedge18"}
 
 
 class NotRead(Exception):
@@ -61,7 +65,8 @@ def files_of(path):
 def read(path):
     """The mesh in a file; NotRead with the reasons."""
     reasons = []
-    for reader in (_stl,) if pathlib.Path(path).suffix == ".stl" else (_by_meshio, _by_gmsh):
+    # Gmsh mistakes the nodes of wedges of second order in VTK's files.
+    for reader in {".stl": (_stl,), ".vtk": (_by_meshio, _by_vtk)}.get(pathlib.Path(path).suffix, (_by_meshio, _by_gmsh)):
         try:
             with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
                 mesh = reader(path)
@@ -84,8 +89,28 @@ def _by_meshio(path):
     for kind, sets in (("points", found.point_sets), ("cells", found.cell_sets)):
         data |= {f"{kind} {k}": np.concatenate([np.ravel(one) for one in v if one is not None] or [[]])
                  if isinstance(v, list) else np.asarray(v) for k, v in sets.items()}
-    return Mesh(points, [(block.type, np.asarray(block.data, dtype=np.int64)) for block in found.cells], data,
-                dict(found.cell_data))
+    blocks = [(block.type, np.asarray(block.data, dtype=np.int64)) for block in found.cells]
+    if path.suffix == ".msh":  # of which meshio leaves some nodes in Gmsh's order
+        blocks = [(name, cells[:, GMSH_ORDER[name]] if name == "wedge18" else cells) for name, cells in blocks]
+    return Mesh(points, blocks, data, dict(found.cell_data))
+
+
+def _by_vtk(path):
+    import vtk  # pylint: disable=import-outside-toplevel # slow, and few files need it
+    from vtk.util.numpy_support import vtk_to_numpy  # pylint: disable=import-outside-toplevel
+    reader = vtk.vtkUnstructuredGridReader()
+    reader.SetFileName(str(path))
+    reader.Update()
+    grid = reader.GetOutput()
+    offset, node = (vtk_to_numpy(a).astype(np.int64) for a in (grid.GetCells().GetOffsetsArray(),
+                                                               grid.GetCells().GetConnectivityArray()))
+    kind = vtk_to_numpy(grid.GetCellTypesArray())
+    blocks = []
+    for number in np.unique(kind):
+        chosen = np.flatnonzero(kind == number)
+        n = offset[chosen[0] + 1] - offset[chosen[0]]
+        blocks.append((VTK_TYPES[int(number)], node[offset[chosen][:, None] + np.arange(n)]))
+    return Mesh(vtk_to_numpy(grid.GetPoints().GetData()), blocks)
 
 
 def _stl(path):
