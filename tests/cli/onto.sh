@@ -156,5 +156,8 @@ for option in "--slide curved" "--box 0,0,0,1,1,1" "--max-displacement 1" "--onl
     expect_one_line
     expect_text "give --onto or --"
 done
+expect_status 64 "$program" smooth coarse.mesh --onto fine.mesh -o no.mesh --best
+expect_one_line
+expect_text "give --onto or --best, not both: --onto goes with --objective worst"
 expect_no_file no.mesh no.inp
 finish

@@ -23,6 +23,8 @@ for command in smooth convert; do
     bad $command in.msh ""
     expect_text "the name of the output file is empty"
 done
+bad compare in.msh ""
+expect_text "the name of the second mesh file is empty"
 bad convert in.msh out.med
 expect_text "no extension of a format that planish converts to: give --to NAME"
 bad smooth in.msh -o
