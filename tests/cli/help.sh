@@ -67,6 +67,9 @@ for option in $(grep -o -e '^\(-., \)\?--[a-z-]*' <<<"$page" | sed 's/.*--//'); 
     done | grep -qx -e "$option" || fail "planish(1) has --$option, which no command has"
 done
 
+grep -q '^.SS "Options of smooth, quality, compare, advise, groups and convert"$' planish.1 ||
+    fail "planish(1) joins names of commands: $(grep '^.SS' planish.1)"
+
 # All within 80 columns.
 for command in "" $commands; do
     # shellcheck disable=SC2086

@@ -146,11 +146,18 @@ expect_text "give both the same unit and place"
 expect_status 2 "$program" smooth coarse.mesh --onto none.mesh -o no.mesh
 expect_one_line
 expect_text "--onto"
+expect_status 2 "$program" smooth "$source_folder/docs/examples/beam.inp" --onto fine.mesh -o no.inp
+expect_one_line
+expect_text "beam.inp: element 0 is of order 2"
+expect_text "(element 1 of the file)"
 for option in "--slide curved" "--box 0,0,0,1,1,1" "--max-displacement 1" "--only-worse-than 2"; do
     # shellcheck disable=SC2086
     expect_status 64 "$program" smooth coarse.mesh --onto fine.mesh -o no.mesh $option
     expect_one_line
     expect_text "give --onto or --"
 done
-expect_no_file no.mesh
+expect_status 64 "$program" smooth coarse.mesh --onto fine.mesh -o no.mesh --best
+expect_one_line
+expect_text "give --onto or --best, not both: --onto goes with --objective worst"
+expect_no_file no.mesh no.inp
 finish

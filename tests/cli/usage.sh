@@ -19,6 +19,14 @@ bad smooth -o out.msh
 bad smooth in.msh second.msh -o out.msh
 bad smooth "" -o out.msh
 bad smooth in.msh -o ""
+for command in smooth convert; do
+    bad $command in.msh ""
+    expect_text "the name of the output file is empty"
+done
+bad compare in.msh ""
+expect_text "the name of the second mesh file is empty"
+bad convert in.msh out.med
+expect_text "no extension of a format that planish converts to: give --to NAME"
 bad smooth in.msh -o
 bad smooth in.msh -o out.msh --frobnicate
 bad smooth in.msh -o out.msh -Z

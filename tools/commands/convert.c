@@ -74,7 +74,7 @@ int pl_convert_command(const pl_arguments *arguments) {
     planish_error error;
     if (!arguments->to && !planish_file_target_of(arguments->output))
         return pl_complain_usage(
-            "convert", "'%s' has no extension of a format that planish writes: give --to NAME",
+            "convert", "'%s' has no extension of a format that planish converts to: give --to NAME",
             arguments->output);
     int status = pl_output_check_all(arguments);
     if (status)

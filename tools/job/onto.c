@@ -99,10 +99,12 @@ static int find_places(pl_job *job, int ignore_marked) {
     pl_job_hold_layers(job, job->constraint);
     planish_fit_destroy(onto->fit);
     onto->fit = NULL;
-    return planish_fit_create(&job->mesh, onto->own, onto->shape, 0, &job->options, &onto->fit,
-                              &onto->before, &error)
-               ? complain(job, &error)
-               : 0;
+    if (!planish_fit_create(&job->mesh, onto->own, onto->shape, 0, &job->options, &onto->fit,
+                            &onto->before, &error))
+        return 0;
+    /* An element or node is one of the input. */
+    return error.element >= 0 || error.node >= 0 ? pl_job_complain(job, PL_EXIT_FAILED, &error)
+                                                 : complain(job, &error);
 }
 
 /** Move the nodes; of the time limit the rest is for smoothing. */

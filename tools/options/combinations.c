@@ -47,6 +47,9 @@ static int check_onto(const pl_arguments *arguments) {
                        : library->only_worse_than > 0  ? "only-worse-than"
                        : arguments->surface_of         ? "surface-of"
                                                        : NULL;
+    if (arguments->slide && arguments->curved_if_any)
+        return pl_complain_usage(command, "give --onto or --best, not both: --onto goes with "
+                                          "--objective worst");
     return name ? pl_complain_usage(command, "give --onto or --%s, not both", name) : 0;
 }
 

@@ -24,10 +24,10 @@ static const pl_command_text command_table[] = {
      "nodes of second-order elements follow their corners. The result has the same\n"
      "bits on any number of threads. OUT differs from IN only in the coordinates of\n"
      "moved nodes. Without -o, OUT must not exist yet; -o OUT replaces the file.",
-     "0 done; 1 planish wrote a usable mesh, but some elements are inverted or below\n"
-     "their minimum volume, smoothing stopped early, or a report could not be written;\n"
-     "2 failed, planish wrote nothing; 64 bad usage. For several meshes planish\n"
-     "returns the highest status.",
+     "0 done; 1 planish wrote a usable mesh, but some elements are inverted, reversed\n"
+     "or below their minimum volume, nodes are off the surface of --onto, smoothing\n"
+     "stopped early, or a report could not be written; 2 failed, planish wrote\n"
+     "nothing; 64 bad usage. For several meshes planish returns the highest status.",
      "planish smooth in.msh out.msh --slide auto\n"
      "planish smooth in.vtu out.vtu --best --report page.html\n"
      "planish smooth deck.inp out.inp --fix LOAD --fix SUPPORT\n"
@@ -73,9 +73,9 @@ static const pl_command_text command_table[] = {
      "planish convert in.cgns -o out.msh --to gmsh22"},
     {PL_COMMAND_REPORT, "report", "RESULT.json [-o FILE.html]", "result", 0, 0,
      "create an HTML report from a JSON result",
-     "Create an HTML report from RESULT.json, which smooth or quality wrote by --json.\n"
-     "The report has tables, histograms, the convergence of the sweeps, and a picture\n"
-     "of the mesh if the mesh files have not changed.",
+     "Create an HTML report from RESULT.json, which smooth, compare or quality wrote\n"
+     "by --json. The report has tables, histograms, the convergence of the sweeps, and\n"
+     "a picture of the mesh if the mesh files have not changed.",
      "0 if the HTML report was written; 2 if not; 64 bad usage.",
      "planish smooth in.msh out.msh --json result.json\n"
      "planish report result.json -o page.html"},

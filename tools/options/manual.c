@@ -47,31 +47,31 @@ static void put_option(const pl_option *o) {
     printf("\n");
 }
 
-/** Put ".SS Options of smooth and quality", if there are any that these commands have and no
- * others. */
-static void put_options_of(unsigned commands) {
-    const pl_option *option;
-    const pl_command_text *command;
-    int n = 0, n_names = 0;
-    for (int i = 0; (option = pl_option_at(i)); i++)
-        n += (option->commands & PL_COMMANDS_ALL) == commands;
-    if (n == 0)
-        return;
-    printf(".SS \"Options of ");
-    for (int i = 0; (command = pl_command_at(i)) && commands != PL_COMMANDS_ALL; i++)
-        if (command->command & commands)
-            printf("%s%s", n_names++ ? " and " : "", command->name);
-    printf("%s\"\n", n_names ? "" : "all commands");
-    for (int i = 0; (option = pl_option_at(i)); i++)
-        if ((option->commands & PL_COMMANDS_ALL) == commands)
-            put_option(option);
-}
-
 static int count_bits(unsigned bits) {
     int n = 0;
     for (; bits; bits >>= 1)
         n += (int)(bits & 1);
     return n;
+}
+
+/** Put ".SS Options of smooth, quality and convert", if there are any that these commands have and no
+ * others. */
+static void put_options_of(unsigned commands) {
+    const pl_option *option;
+    const pl_command_text *command;
+    int n = 0, n_left = commands == PL_COMMANDS_ALL ? 0 : count_bits(commands);
+    for (int i = 0; (option = pl_option_at(i)); i++)
+        n += (option->commands & PL_COMMANDS_ALL) == commands;
+    if (n == 0)
+        return;
+    printf(".SS \"Options of %s", n_left ? "" : "all commands");
+    for (int i = 0; n_left && (command = pl_command_at(i)); i++)
+        if (command->command & commands)
+            printf("%s%s", command->name, --n_left > 1 ? ", " : n_left ? " and " : "");
+    printf("\"\n");
+    for (int i = 0; (option = pl_option_at(i)); i++)
+        if ((option->commands & PL_COMMANDS_ALL) == commands)
+            put_option(option);
 }
 
 /** Put the sections on options: those that most commands have come first. */

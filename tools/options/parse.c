@@ -109,6 +109,10 @@ static int takes_many(const pl_arguments *arguments, const pl_command_text *comm
 
 static int complain_of_many(const pl_arguments *arguments, const pl_command_text *command,
                             const char *second) {
+    if (command->takes_output && !arguments->output && !second[0])
+        return pl_complain_usage(command->name, "the name of the %s file is empty",
+                                 arguments->command == PL_COMMAND_COMPARE ? "second mesh"
+                                                                          : "output");
     if (arguments->command == PL_COMMAND_SMOOTH && !arguments->output)
         return pl_complain_usage(command->name,
                                  "unexpected argument '%s': to smooth several meshes, give "

@@ -65,7 +65,7 @@ void pl_table_rows_sizes(FILE *stream, const planish_size_quality *before,
                       &plain);
     pl_table_row_real(stream, "  largest", before ? &before->max : NULL, after->max, &plain);
     snprintf(text, sizeof text,
-             "Sizes are relative: times %.4g, those given are what as many elements can have.",
+             "Sizes are relative: times %.4g, the given sizes fit the number of elements.",
              after->factor);
     pl_terminal_wrap(stream, text);
 }

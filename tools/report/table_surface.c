@@ -79,8 +79,9 @@ void pl_table_put_surface(FILE *stream, const pl_job *job, const pl_result *resu
     if (!job->is_surface)
         put_volume_changes(stream, job, &result->surface);
     if (job->plan_info.n_fixed_elements > 0)
-        fprintf(stream, "%" PRId64 " %s still no movable node\n", job->plan_info.n_fixed_elements,
-                pl_table_word_for(job->plan_info.n_fixed_elements, "element has", "elements have"));
+        fprintf(stream, "%" PRId64 " %s no movable node\n", job->plan_info.n_fixed_elements,
+                pl_table_word_for(job->plan_info.n_fixed_elements, "element still has",
+                                  "elements still have"));
 }
 
 void pl_table_put_onto(FILE *stream, const pl_job *job) {

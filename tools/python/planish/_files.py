@@ -207,6 +207,8 @@ class Mesh:
     def held(self, fix: Union[str, Sequence[str]] = ()) -> dict[str, NDArray[np.bool_]]:
         """Return masks [n] of the nodes that the file and fix hold, by reason. Reasons without a node are left out.
 
+        A node may have several reasons: faces_inside has the nodes of all facets that the file lists, on the boundary, too.
+
         Args:
             fix: names of groups
         """
