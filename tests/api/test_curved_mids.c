@@ -521,8 +521,8 @@ static void check_distance(const trial *t, const double *x, double *worth) {
     check_that(t, d.n_unproved == 0, "every facet has a bound");
     /* What a run proves on the way may be less than what is proved at the end. */
     const double given = t->options.surface_tolerance > 0 ? t->options.surface_tolerance : 0.05;
-    check_that(t, d.in_edges <= 1.5 * given + 2.5 * rest_of(t),
-               "little more than the tolerance is proved");
+    check_that(t, d.in_edges <= 2 * given + 2.5 * rest_of(t),
+               "no more than twice the tolerance is proved");
     *worth = d.in_edges;
     sheet_judge_destroy(&first);
     sheet_judge_destroy(&now);
