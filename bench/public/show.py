@@ -4,6 +4,7 @@ import collections
 import json
 import sys
 
+MESHERS = {"cgal": "CGAL", "gmsh": "Gmsh", "netgen": "Netgen", "tetgen": "TetGen"}  # of the folders of models.py
 WAY_NAMES = {"default": "no option", "slide": "`--slide auto`", "best": "`--best`"}
 
 
@@ -43,7 +44,7 @@ def show_sources(lines):
         sources[line["source"]].append(line)
     for source, mine in (*sources.items(), ("**all**", lines)):
         for i, row in enumerate(cells(mine)):
-            print(f"| {source if i == 0 else ''} | {row} |")
+            print(f"| {MESHERS.get(source, source) if i == 0 else ''} | {row} |")
 
 
 def show_counts(title, what, found):
