@@ -138,13 +138,14 @@ static void admit(const sized *s) {
     pl_follow(plan, problem);
 }
 
-/** Go where the steps lead, if F is lower there than before the last one; the mesh is measured. */
+/** Go where the steps lead, if F is lower there than before the last one; the mesh is measured. Not with inverted
+ *  elements: they are only counted, and one could become valid while another one becomes inverted. */
 static void mix(sized *s) {
     double *x = s->run->plan->scratch.coordinates;
     const size_t bytes = (size_t)s->n * sizeof *x;
     const double before = s->latest;
     memcpy(s->swept, x, bytes);
-    if (pl_mixing_mix(&s->mixing, s->from, x)) {
+    if (s->trial.standing.inverted == 0 && pl_mixing_mix(&s->mixing, s->from, x)) {
         admit(s);
         measure_anew(s);
         if (is_sound(s) && s->latest < before)

@@ -425,6 +425,26 @@ static void mids_between_regions_stay(void **unused) {
     assert_true(n_released > 0);
 }
 
+/** Steps for sizes repair no element at the cost of another one. */
+static void sizes_keep_valid_elements(void **unused) {
+    (void)unused;
+    tally sums = {.seen = {N_CELLS_FACTORS, cells_factors, {{{{0}}}}}};
+    for (uint64_t seed = 1; seed <= 50; seed++) {
+        uint64_t state = effort_seed(seed);
+        const int level[N_CELLS_FACTORS] = {[CELLS_OF] = CELLS_WEDGES,
+                                            [CELLS_ORDER] = 1,
+                                            [CELLS_SHAKE] = 2,
+                                            [CELLS_BEND] = 2,
+                                            [CELLS_TARGET] = TARGET_METRIC,
+                                            [CELLS_WEIGHT] = 2,
+                                            [CELLS_LOWER] = 1,
+                                            [CELLS_SWEEPS] = 3};
+        do_call(&sums, (int64_t)seed, level, &state);
+    }
+    assert_int_equal(sums.broken, 0);
+    assert_true(sums.were_invalid > 0);
+}
+
 static void random_calls_keep_promises(void **state) {
     (void)state;
     const char *one = getenv("PLANISH_CASE");
@@ -473,6 +493,11 @@ static void the_judge_sees_what_corners_hide(void **state) {
 
 #else
 
+static void sizes_keep_valid_elements(void **state) {
+    (void)state;
+    skip();
+}
+
 static void mids_between_regions_stay(void **state) {
     (void)state;
     skip();
@@ -494,6 +519,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_judge_sees_what_corners_hide),
         cmocka_unit_test(mids_between_regions_stay),
+        cmocka_unit_test(sizes_keep_valid_elements),
         cmocka_unit_test(random_calls_keep_promises),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
