@@ -67,6 +67,24 @@ for option in $(grep -o -e '^\(-., \)\?--[a-z-]*' <<<"$page" | sed 's/.*--//'); 
     done | grep -qx -e "$option" || fail "planish(1) has --$option, which no command has"
 done
 
+# The sections of smooth's help are those of docs/program.md, with the same options, each in one section.
+# section_options NAME: the options in that section of smooth's help, without the two minuses
+section_options() {
+    "$program" smooth --help | sed -n "/^$1:$/,/^$/p" | grep -o -e '^.\{6\}--[a-z-]*' | sed 's/.*--//'
+}
+sections=$("$program" smooth --help | sed -n 's/^\([A-Z][a-z ]*\):$/\1/p' | grep -vx 'Exit status\|Examples')
+[ "$sections" = "$(sed -n '/^## Options of smooth/,/^## /s/^### //p' "$source_folder/docs/program.md")" ] ||
+    fail "sections of the help: $sections"
+while read -r section; do
+    wanted=$(section_options "$section")
+    [ -n "$wanted" ] || fail "no option in section $section"
+    for option in $wanted; do
+        sed -n "/^### $section$/,/^##* /p" "$source_folder/docs/program.md" | grep -q -e "^|.*\`--$option[\` ]" ||
+            fail "section $section of docs/program.md lacks --$option"
+    done
+done <<<"$sections"
+[ "$(options smooth | sort | uniq -d)" = "" ] || fail "options in two sections: $(options smooth | sort | uniq -d)"
+
 grep -q '^.SS "Options of smooth, quality, compare, advise, groups and convert"$' planish.1 ||
     fail "planish(1) joins names of commands: $(grep '^.SS' planish.1)"
 

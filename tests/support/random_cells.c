@@ -522,9 +522,8 @@ static void reconcile(int *level) {
         level[CELLS_TURNED] = 0;
     if (level[CELLS_ORDER] == 0)
         level[CELLS_BEND] = 0;
-    /* An element that nothing joins has the handedness of most, and may then be inverted in the reference. */
-    if (level[CELLS_TORN] == 1 && level[CELLS_TURNED] == 2 &&
-        (level[CELLS_TARGET] == TARGET_BOX || level[CELLS_TARGET] == TARGET_STRETCHED))
+    /* An element that nothing joins has the handedness of most, and may then count as inverted. */
+    if (level[CELLS_TORN] == 1 && level[CELLS_TURNED] == 2)
         level[CELLS_TURNED] = 0;
     for (int i = 0; i < N_GIVING_WAY; i++)
         for (int a = 0; a < N_CELLS_FACTORS; a++)

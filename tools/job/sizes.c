@@ -257,13 +257,24 @@ static int find_used(sizing *s) {
 }
 
 /** Read the array or the file that the options name. */
-static int read_values(sizing *s, const pl_arguments *arguments) {
+static int read_data(sizing *s, const pl_arguments *arguments) {
     planish_error error;
-    const char *option = arguments->size ? "--size" : "--size-from";
-    if (arguments->size ? planish_file_data(s->file, arguments->size, &s->data, &error)
-                        : planish_sol_read(arguments->size_from, s->mesh->dim, s->mesh->n_nodes,
-                                           &s->data, &error))
-        return pl_complain(PL_EXIT_FAILED, "%s: %s", option, error.text);
+    if (!arguments->size)
+        return planish_sol_read(arguments->size_from, s->mesh->dim, s->mesh->n_nodes, &s->data,
+                                &error)
+                   ? pl_complain(PL_EXIT_FAILED, "--size-from: %s", error.text)
+                   : 0;
+    const planish_status code = planish_file_data(s->file, arguments->size, &s->data, &error);
+    if (code == PLANISH_ERROR_ARGUMENT)
+        return pl_complain_usage(pl_command_name(arguments->command), "--size: %s", error.text);
+    return code ? pl_complain(PL_EXIT_FAILED, "--size: %s", error.text) : 0;
+}
+
+/** Take the sizes, or the metrics, that the options name. */
+static int read_values(sizing *s, const pl_arguments *arguments) {
+    const int failed = read_data(s, arguments);
+    if (failed)
+        return failed;
     const int8_t *place = places_of(s);
     if (place)
         return take_metrics(s, place);

@@ -47,13 +47,23 @@ void pl_help_print(void) {
     put_lines(pl_program_formats, 0);
 }
 
+/** Put the options of a command below the titles of their sections. */
+static void put_options(const pl_command_text *command) {
+    const pl_option *option, *before = NULL;
+    for (int i = 0; (option = pl_option_at(i)); i++) {
+        if (!(option->commands & command->command))
+            continue;
+        if (!before || before->section != option->section)
+            printf("\n%s:\n", pl_section_title(option->section));
+        put_option(option);
+        before = option;
+    }
+}
+
 void pl_help_print_command(const pl_command_text *command) {
-    const pl_option *option;
-    printf("Usage: planish %s %s [OPTION]...\n%s\n\n", command->name, command->operands,
+    printf("Usage: planish %s %s [OPTION]...\n%s\n", command->name, command->operands,
            command->description);
-    for (int i = 0; (option = pl_option_at(i)); i++)
-        if (option->commands & command->command)
-            put_option(option);
+    put_options(command);
     printf("\nExit status:\n");
     put_lines(command->exit_status, 0);
     printf("\nExamples:\n  ");

@@ -291,6 +291,22 @@ enum {
     OF_CURVED = PL_OPTION_OF_CURVED
 };
 
+#define FILES       PL_SECTION_FILES
+#define OBJECTIVE   PL_SECTION_OBJECTIVE
+#define CONSTRAINTS PL_SECTION_CONSTRAINTS
+#define NODES       PL_SECTION_NODES
+#define END         PL_SECTION_END
+#define OTHERS      PL_SECTION_OTHERS
+
+static const char *const section_titles[] = {
+    [FILES] = "Files and reports",
+    [OBJECTIVE] = "Objective",
+    [CONSTRAINTS] = "Constraints",
+    [NODES] = "Nodes that move",
+    [END] = "End",
+    [OTHERS] = "Threads and messages",
+};
+
 #define AT(field) offsetof(pl_arguments, field)
 /* Bounds that are not reached: the doubles next to 0 and 1. */
 #define ABOVE_0        0x1p-1074
@@ -298,44 +314,34 @@ enum {
 #define FILE_OR_STDOUT "must be the name of a file, or - for standard output"
 
 static const pl_option option_table[] = {
-    {'o', "output", "OUT", SMOOTH, set_text, AT(output), 0, 0, "must be the name of a file",
+    {FILES, 'o', "output", "OUT", SMOOTH, set_text, AT(output), 0, 0, "must be the name of a file",
      "write the smoothed mesh to OUT, which may be IN; keep\n"
      "the format of IN and change only coordinates; if OUT\n"
      "has the extension of another format that planish\n"
      "convert writes, convert to that format",
      "file"},
-    {'o', "output", "OUT", CONVERT, set_text, AT(output), 0, 0, "must be the name of a file",
+    {FILES, 'o', "output", "OUT", CONVERT, set_text, AT(output), 0, 0, "must be the name of a file",
      "write the converted mesh to OUT, and replace an\n"
      "existing file; without -o, OUT must not exist yet",
      "file"},
-    {0, "output-dir", "DIR", SMOOTH, set_text, AT(output_dir), 0, 0, "must be the name of a folder",
+    {FILES, 'o', "output", "VIEW", QUALITY, set_text, AT(output), 0, 0,
+     "must be the name of a file",
+     "write a copy for viewing to VIEW (.vtu or .vtk), with\n"
+     "the measures of every element",
+     "file"},
+    {FILES, 'o', "output", "FILE", REPORT, set_text, AT(output), 0, 0, "must be the name of a file",
+     "write the HTML report to FILE, - for standard output\n"
+     "(default: RESULT.html beside RESULT.json)",
+     "file"},
+    {FILES, 0, "output-dir", "DIR", SMOOTH, set_text, AT(output_dir), 0, 0,
+     "must be the name of a folder",
      "write each smoothed mesh to folder DIR under its own\n"
      "name, and replace existing files there; IN may be\n"
      "several meshes",
      "file"},
-    {0, "in-place", NULL, SMOOTH, set_flag, AT(in_place), 1, 0, NULL,
+    {FILES, 0, "in-place", NULL, SMOOTH, set_flag, AT(in_place), 1, 0, NULL,
      "replace IN by the smoothed mesh; IN may be several\nmeshes", NULL},
-    {0, "best", NULL, SMOOTH | OPTIMISES, set_best, 0, 0, 0, NULL,
-     "improve the worst elements most, which takes longer:\n"
-     "same as --slide curved --objective worst; for a mesh\n"
-     "in a plane same as --slide auto --objective worst",
-     NULL},
-    {0, "fast", NULL, SMOOTH, set_fast, 0, 0, 0, NULL, "stop early: same as --tolerance 1e-3",
-     NULL},
-    {'o', "output", "VIEW", QUALITY, set_text, AT(output), 0, 0, "must be the name of a file",
-     "write a copy for viewing to VIEW (.vtu or .vtk), with\n"
-     "the measures of every element",
-     "file"},
-    {'o', "output", "FILE", REPORT, set_text, AT(output), 0, 0, "must be the name of a file",
-     "write the HTML report to FILE, - for standard output\n"
-     "(default: RESULT.html beside RESULT.json)",
-     "file"},
-    {0, "to", "NAME", CONVERT, set_word, AT(to), 0, 0, NULL,
-     "write the format NAME: vtu, vtk, gmsh (4.1), gmsh22,\n"
-     "medit, abaqus, nastran, exodus, stl, obj or ply\n"
-     "(default: by the extension of OUT)",
-     "vtu vtk gmsh gmsh22 medit abaqus nastran exodus stl obj ply"},
-    {0, "format", "NAME", MEASURE | CONVERT | GROUPS, set_word, AT(format), 0, 0, NULL,
+    {FILES, 0, "format", "NAME", MEASURE | CONVERT | GROUPS, set_word, AT(format), 0, 0, NULL,
      "set the format of the input: gmsh, medit, vtk, vtu,\n"
      "vtkhdf, med, cgns, dmplex, tetgen, netgen, abaqus,\n"
      "nastran, off, stl, obj, ply, mfem, exodus, ucd, su2,\n"
@@ -343,106 +349,159 @@ static const pl_option option_table[] = {
      "content, then by name)",
      "gmsh medit vtk vtu vtkhdf med cgns dmplex tetgen netgen abaqus nastran off stl obj ply mfem "
      "exodus ucd su2 unv xdmf elmer openfoam"},
-    {0, "method", "NAME", SMOOTH, set_choice, AT(library.method), 0, 0, NULL,
-     "move nodes by the method planish (default) or, for\n"
-     "comparison only, laplacian, area-laplacian or\n"
-     "length-laplacian, which may invert elements",
-     "planish laplacian area-laplacian length-laplacian"},
-    {0, "objective", "NAME", SMOOTH | OPTIMISES, set_objective, 0, 0, 0, NULL,
+    {FILES, 0, "to", "NAME", CONVERT, set_word, AT(to), 0, 0, NULL,
+     "write the format NAME: vtu, vtk, gmsh (4.1), gmsh22,\n"
+     "medit, abaqus, nastran, exodus, stl, obj or ply\n"
+     "(default: by the extension of OUT)",
+     "vtu vtk gmsh gmsh22 medit abaqus nastran exodus stl obj ply"},
+    {FILES, 0, "json", "FILE", BOTH | COMPARE, set_text, AT(json), 0, 0, FILE_OR_STDOUT,
+     "write the result as JSON to FILE, - for standard\n"
+     "output",
+     "file"},
+    {FILES, 0, "report", "FILE.html", BOTH | COMPARE, set_text, AT(report), 0, 0, FILE_OR_STDOUT,
+     "write an HTML report with tables, histograms,\n"
+     "convergence and a picture to FILE.html, - for\n"
+     "standard output",
+     "file"},
+    {FILES, 0, "history", "K", SMOOTH, set_integer, AT(history), 3, 100,
+     "must be a whole number from 3 to 100",
+     "with --report: let the page play the smoothing, as at\n"
+     "most K states of the mesh, the first and the last\n"
+     "among them (default: these two alone)",
+     NULL},
+    {OBJECTIVE, 0, "best", NULL, SMOOTH | OPTIMISES, set_best, 0, 0, 0, NULL,
+     "improve the worst elements most, which takes longer:\n"
+     "same as --slide curved --objective worst; for a mesh\n"
+     "in a plane same as --slide auto --objective worst",
+     NULL},
+    {OBJECTIVE, 0, "objective", "NAME", SMOOTH | OPTIMISES, set_objective, 0, 0, 0, NULL,
      "minimise the RMS of radius-ratio (default for\n"
      "triangles and tetrahedra), mean-ratio (default for\n"
      "other elements) or edge-ratio; or worst: minimise the\n"
      "default, then improve the worst elements",
      "radius-ratio mean-ratio edge-ratio worst"},
-    {0, "worst-measure", "NAME", SMOOTH | OPTIMISES | OF_WORST, set_worst_measure, 0, 0, 0, NULL,
+    {OBJECTIVE, 0, "worst-measure", "NAME", SMOOTH | OPTIMISES | OF_WORST, set_worst_measure, 0, 0,
+     0, NULL,
      "with --objective worst, improve this measure: for\n"
      "triangles and tetrahedra dihedral (smallest and\n"
      "largest angles, default) or radius-ratio; for other\n"
      "elements scaled-jacobian (default) or aspect-ratio",
      "dihedral radius-ratio aspect-ratio scaled-jacobian"},
-    {0, "worst-rise", "R", SMOOTH | OPTIMISES | OF_WORST, set_real, AT(library.worst_rise), 0, 1e6,
-     "must be a number from 0 to 1e6",
+    {OBJECTIVE, 0, "worst-rise", "R", SMOOTH | OPTIMISES | OF_WORST, set_real,
+     AT(library.worst_rise), 0, 1e6, "must be a number from 0 to 1e6",
      "with --objective worst, let the RMS rise by at most\n"
      "the fraction R (default 0.01)",
      NULL},
-    {0, "direction", "NAME", SMOOTH | OPTIMISES, set_choice, AT(library.search), 0, 0, NULL,
+    {OBJECTIVE, 0, "like", "FILE", BOTH | ADVISE | OPTIMISES, set_text, AT(like), 0, 0,
+     "must be the name of a file",
+     "give each element the shape that it has in FILE, the\n"
+     "same mesh before it was deformed, in any format:\n"
+     "layers and gradings survive; with quality: measure\n"
+     "against that shape (default: the regular element)",
+     "file"},
+    {OBJECTIVE, 0, "size", "NAME", BOTH | OPTIMISES, set_text, AT(size), 0, 0,
+     "must be the name of an array of the file",
+     "give elements the relative sizes in array NAME of IN\n"
+     "(VTK, Gmsh, Exodus, XDMF): lengths of edges, or\n"
+     "metrics (symmetric tensors), at nodes or elements;\n"
+     "with quality: compare with these sizes",
+     NULL},
+    {OBJECTIVE, 0, "size-from", "FILE", BOTH | OPTIMISES, set_text, AT(size_from), 0, 0,
+     "must be the name of a file",
+     "give elements the relative sizes or metrics in FILE,\n"
+     "a .sol or .solb file of Medit for the nodes of IN",
+     "file"},
+    {OBJECTIVE, 0, "keep-sizes", NULL, SMOOTH | OPTIMISES, set_flag, AT(keep_sizes), 1, 0, NULL,
+     "keep the sizes that elements have at each place in IN", NULL},
+    {OBJECTIVE, 0, "size-weight", "W", SMOOTH | OPTIMISES, set_real, AT(library.size_weight), 0, 1,
+     "must be a number from 0 to 1",
+     "with --like or sizes: weigh sizes by W and shapes by\n"
+     "1 - W (default: 0 with --like, else 0.9)",
+     NULL},
+    {OBJECTIVE, 0, "area-weight", "MU2", SMOOTH | OPTIMISES, set_real, AT(library.area_weight), 0,
+     1, "must be a number from 0 to 1",
+     "minimise (1 - MU2) * RMS(objective)\n"
+     "+ MU2 * RMS(1 - volume/V) (default 0)",
+     NULL},
+    {OBJECTIVE, 0, "curve-quality", "Q", SMOOTH | OPTIMISES, set_real, AT(library.curve_quality), 0,
+     1, "must be a number from 0 to 1",
+     "let mid-side nodes move on their own where the least\n"
+     "Jacobian of a curved element is below Q times its\n"
+     "mean (default 0.3; 0: they only follow their corners)",
+     NULL},
+    {OBJECTIVE, 0, "method", "NAME", SMOOTH, set_choice, AT(library.method), 0, 0, NULL,
+     "move nodes by the method planish (default) or, for\n"
+     "comparison only, laplacian, area-laplacian or\n"
+     "length-laplacian, which may invert elements",
+     "planish laplacian area-laplacian length-laplacian"},
+    {OBJECTIVE, 0, "direction", "NAME", SMOOTH | OPTIMISES, set_choice, AT(library.search), 0, 0,
+     NULL,
      "use the search direction newton (default) or\n"
      "fletcher-reeves",
      "newton fletcher-reeves"},
-    {0, "min-volume", "[TAG=]V", BOTH, set_min_volume, 0, 0, 0,
+    {CONSTRAINTS, 0, "min-volume", "[TAG=]V", BOTH, set_min_volume, 0, 0, 0,
      "must be a volume (area in 2-D) above 0, or TAG=V with V above 0",
      "require at least volume V (area in 2-D) of every\n"
      "element, or of the elements in group TAG; repeatable\n"
      "with a TAG (default: no minimum)",
      NULL},
-    {0, "min-volume-fraction", "F", BOTH, set_real, AT(library.min_volume_fraction), ABOVE_0,
-     BELOW_1, "must be a number between 0 and 1",
-
+    {CONSTRAINTS, 0, "min-volume-fraction", "F", BOTH, set_real, AT(library.min_volume_fraction),
+     ABOVE_0, BELOW_1, "must be a number between 0 and 1",
      "like --min-volume, with V = F times the volume of the\n"
      "whole mesh",
      NULL},
-    {0, "area-weight", "MU2", SMOOTH | OPTIMISES, set_real, AT(library.area_weight), 0, 1,
-     "must be a number from 0 to 1",
-     "minimise (1 - MU2) * RMS(objective)\n"
-     "+ MU2 * RMS(1 - volume/V) (default 0)",
-     NULL},
-    {0, "box", "X0,Y0[,Z0],X1,Y1[,Z1]", SMOOTH, set_box, 0, 0, 0,
+    {CONSTRAINTS, 0, "box", "X0,Y0[,Z0],X1,Y1[,Z1]", SMOOTH, set_box, 0, 0, 0,
      "must be X0,Y0,X1,Y1, in 3-D X0,Y0,Z0,X1,Y1,Z1",
      "keep movable nodes inside this box; do not move nodes\n"
      "that start outside",
      NULL},
-    {0, "max-displacement", "D", SMOOTH, set_max_displacement, 0, 0, 0,
+    {CONSTRAINTS, 0, "max-displacement", "D", SMOOTH, set_max_displacement, 0, 0, 0,
      "must be a distance above 0, or a number and h for that many edge lengths",
      "move no node farther than D from its place in IN; Dh,\n"
      "such as 0.5h, means D times the mean length of the\n"
      "node's edges (default: no limit)",
      NULL},
-    {0, "no-untangle", NULL, SMOOTH | OPTIMISES, set_flag, AT(library.untangle), 0, 0, NULL,
+    {CONSTRAINTS, 0, "no-untangle", NULL, SMOOTH | OPTIMISES, set_flag, AT(library.untangle), 0, 0,
+     NULL,
      "leave inverted elements alone (default: repair them\n"
      "first if possible)",
      NULL},
-    {0, "max-sweeps", "N", SMOOTH, set_integer, AT(library.max_sweeps), 0, INT_MAX,
-     "must be a whole number, 0 or more",
-     "stop after N smoothing sweeps, and N more if nodes\n"
-     "must return; untangling has its own limit\n"
-     "(default 200)",
+    {NODES, 0, "only-worse-than", "RR", SMOOTH | OPTIMISES, set_real, AT(library.only_worse_than),
+     1, DBL_MAX, "must be a ratio, 1 or more",
+     "move only nodes of elements whose radius ratio is\n"
+     "above RR; in meshes with other elements the aspect\n"
+     "ratio (default: move all)",
      NULL},
-    {0, "tolerance", "T", SMOOTH, set_real, AT(library.tolerance), 0, BELOW_1,
-     "must be a number from 0 to less than 1",
-     "stop when the RMS falls by less than the fraction T\n"
-     "per sweep (default 1e-5)",
+    {NODES, 0, "rings", "K", SMOOTH | OPTIMISES, set_integer, AT(library.rings), 0, 100,
+     "must be a whole number from 0 to 100",
+     "with --only-worse-than: also move nodes of K rings of\n"
+     "elements around these (default 0)",
      NULL},
-    {0, "time-limit", "S", SMOOTH, set_real, AT(library.time_limit), ABOVE_0, DBL_MAX,
-     "must be a number of seconds above 0",
-     "stop smoothing after S seconds (reading and set-up do\n"
-     "not count), write the mesh and exit with status 1\n"
-     "(default: no limit)",
-     NULL},
-    {0, "fix", "TAG", MEASURE, set_fix, 0, 0, 0, "must be the NAME, N or DIM:N of a group",
+    {NODES, 0, "fix", "TAG", MEASURE, set_fix, 0, 0, 0, "must be the NAME, N or DIM:N of a group",
      "hold all nodes of group TAG, given as NAME, N or\n"
      "DIM:N (planish groups FILE lists the groups);\n"
      "repeatable",
      "group"},
-    {0, "layers", "HOW", MEASURE, set_layers, 0, 0, 0, NULL,
+    {NODES, 0, "layers", "HOW", MEASURE, set_layers, 0, 0, 0, NULL,
      "treat boundary layers, which are thin on purpose:\n"
      "hold their nodes, keep their heights while nodes move\n"
      "along the layer, or ignore layers (default: keep\n"
      "layers with wedges, hexahedra or quadrilaterals, and\n"
      "ignore others)",
      "hold keep ignore"},
-    {0, "fix-layers", NULL, MEASURE, set_flag, AT(fix_layers), 1, 0, NULL, "same as --layers hold",
-     NULL},
-    {0, "regions", "NAME", MEASURE, set_regions, 0, 0, 0,
+    {NODES, 0, "fix-layers", NULL, MEASURE, set_flag, AT(fix_layers), 1, 0, NULL,
+     "same as --layers hold", NULL},
+    {NODES, 0, "regions", "NAME", MEASURE, set_regions, 0, 0, 0,
      "must be the name of an array of the file, or none",
      "hold nodes between regions, the values of the element\n"
      "array NAME; repeatable; none: let these nodes move\n"
      "(default: all arrays that look like regions)",
      "none"},
-    {0, "ignore-regions", NULL, MEASURE, set_regions, 0, 0, 0, NULL,
+    {NODES, 0, "ignore-regions", NULL, MEASURE, set_regions, 0, 0, 0, NULL,
      "let nodes between regions (materials) move; same as\n"
      "--regions none",
      NULL},
-    {0, "slide", "HOW", SMOOTH | OPTIMISES, set_slide, 0, 0, 0,
+    {NODES, 0, "slide", "HOW", SMOOTH | OPTIMISES, set_slide, 0, 0, 0,
      "must be auto, curved, none, or the NAME, N or DIM:N of a group",
      "let boundary nodes slide: auto (in planes and along\n"
      "straight edges: the shape stays the same), curved (on\n"
@@ -451,121 +510,85 @@ static const pl_option option_table[] = {
      "surface meshes in space curved, where none holds only\n"
      "the nodes on curves",
      "auto curved none group"},
-    {0, "surface-tolerance", "T", SMOOTH | OPTIMISES | OF_CURVED, set_surface_tolerance, 0, 0, 0,
-     "must be a distance above 0, or a number and h for that many edge lengths",
+    {NODES, 0, "slide-interfaces", NULL, SMOOTH | OPTIMISES | OF_CURVED, set_flag,
+     AT(slide_interfaces), 1, 0, NULL,
+     "with --slide curved: let nodes slide on curved\ninterfaces between regions, too", NULL},
+    {NODES, 0, "surface-tolerance", "T", SMOOTH | OPTIMISES | OF_CURVED, set_surface_tolerance, 0,
+     0, 0, "must be a distance above 0, or a number and h for that many edge lengths",
      "on curved surfaces: keep every point within T of the\n"
      "original surface; Th means T times the mean length of\n"
      "the edges there (default 0.05h)",
      NULL},
-    {0, "slide-interfaces", NULL, SMOOTH | OPTIMISES | OF_CURVED, set_flag, AT(slide_interfaces), 1,
-     0, NULL, "with --slide curved: let nodes slide on curved\ninterfaces between regions, too",
-     NULL},
-    {0, "surface-of", "FILE", BOTH | OF_CURVED, set_text, AT(surface_of), 0, 0,
+    {NODES, 0, "surface-of", "FILE", BOTH | OF_CURVED, set_text, AT(surface_of), 0, 0,
      "must be the name of a file",
      "take the original surface from FILE, a mesh with the\n"
      "same elements, so that the errors of repeated runs do\n"
      "not add up (default: IN); with quality: report the\n"
      "distance from that surface",
      "file"},
-    {0, "onto", "FILE", SMOOTH | OPTIMISES, set_text, AT(onto), 0, 0, "must be the name of a file",
+    {NODES, 0, "onto", "FILE", SMOOTH | OPTIMISES, set_text, AT(onto), 0, 0,
+     "must be the name of a file",
      "fit the surface to the surface in FILE (STL, OBJ, any\n"
      "format): move nodes there as far as elements stay\n"
      "valid, then let these nodes slide along that surface",
      "file"},
-    {0, "like", "FILE", BOTH | ADVISE | OPTIMISES, set_text, AT(like), 0, 0,
-     "must be the name of a file",
-     "give each element the shape that it has in FILE, the\n"
-     "same mesh before it was deformed, in any format:\n"
-     "layers and gradings survive; with quality: measure\n"
-     "against that shape (default: the regular element)",
-     "file"},
-    {0, "size", "NAME", BOTH | OPTIMISES, set_text, AT(size), 0, 0,
-     "must be the name of an array of the file",
-     "give elements the relative sizes in array NAME of IN\n"
-     "(VTK, Gmsh, Exodus, XDMF): lengths of edges, or\n"
-     "metrics (symmetric tensors), at nodes or elements;\n"
-     "with quality: compare with these sizes",
-     NULL},
-    {0, "size-from", "FILE", BOTH | OPTIMISES, set_text, AT(size_from), 0, 0,
-     "must be the name of a file",
-     "give elements the relative sizes or metrics in FILE,\n"
-     "a .sol or .solb file of Medit for the nodes of IN",
-     "file"},
-    {0, "keep-sizes", NULL, SMOOTH | OPTIMISES, set_flag, AT(keep_sizes), 1, 0, NULL,
-     "keep the sizes that elements have at each place in IN", NULL},
-    {0, "size-weight", "W", SMOOTH | OPTIMISES, set_real, AT(library.size_weight), 0, 1,
-     "must be a number from 0 to 1",
-     "with --like or sizes: weigh sizes by W and shapes by\n"
-     "1 - W (default: 0 with --like, else 0.9)",
-     NULL},
-    {0, "crease-angle", "A", BOTH | OF_CURVED, set_real, AT(crease_angle), 0, 180,
+    {NODES, 0, "crease-angle", "A", BOTH | OF_CURVED, set_real, AT(crease_angle), 0, 180,
      "must be a number of degrees from 0 to 180",
      "on curved surfaces: keep sharp the edges where the\n"
      "surface bends by more than A degrees, and borders of\n"
      "groups (default: find sharp edges)",
      NULL},
-    {0, "slide-tolerance", "T", MEASURE, set_real, AT(slide_tolerance), ABOVE_0, 1e-3,
+    {NODES, 0, "slide-tolerance", "T", MEASURE, set_real, AT(slide_tolerance), ABOVE_0, 1e-3,
      "must be a fraction above 0, up to 1e-3",
      "accept nodes that are off their plane or line by up\n"
      "to T times the diagonal of the bounding box (default\n"
      "1e-8, more if the file has few digits); also for\n"
      "triangles in a tilted plane",
      NULL},
-    {0, "only-worse-than", "RR", SMOOTH | OPTIMISES, set_real, AT(library.only_worse_than), 1,
-     DBL_MAX, "must be a ratio, 1 or more",
-     "move only nodes of elements whose radius ratio is\n"
-     "above RR; in meshes with other elements the aspect\n"
-     "ratio (default: move all)",
+    {END, 0, "fast", NULL, SMOOTH, set_fast, 0, 0, 0, NULL, "stop early: same as --tolerance 1e-3",
      NULL},
-    {0, "curve-quality", "Q", SMOOTH | OPTIMISES, set_real, AT(library.curve_quality), 0, 1,
-     "must be a number from 0 to 1",
-     "let mid-side nodes move on their own where the least\n"
-     "Jacobian of a curved element is below Q times its\n"
-     "mean (default 0.3; 0: they only follow their corners)",
+    {END, 0, "max-sweeps", "N", SMOOTH, set_integer, AT(library.max_sweeps), 0, INT_MAX,
+     "must be a whole number, 0 or more",
+     "stop after N smoothing sweeps, and N more if nodes\n"
+     "must return; untangling has its own limit\n"
+     "(default 200)",
      NULL},
-    {0, "rings", "K", SMOOTH | OPTIMISES, set_integer, AT(library.rings), 0, 100,
-     "must be a whole number from 0 to 100",
-     "with --only-worse-than: also move nodes of K rings of\n"
-     "elements around these (default 0)",
+    {END, 0, "tolerance", "T", SMOOTH, set_real, AT(library.tolerance), 0, BELOW_1,
+     "must be a number from 0 to less than 1",
+     "stop when the RMS falls by less than the fraction T\n"
+     "per sweep (default 1e-5)",
      NULL},
-    {'j', "threads", "N", MEASURE | CONVERT, set_integer, AT(library.threads), 1, PL_MAX_THREADS,
-     "must be a whole number from 1 to 1024",
+    {END, 0, "time-limit", "S", SMOOTH, set_real, AT(library.time_limit), ABOVE_0, DBL_MAX,
+     "must be a number of seconds above 0",
+     "stop smoothing after S seconds (reading and set-up do\n"
+     "not count), write the mesh and exit with status 1\n"
+     "(default: no limit)",
+     NULL},
+    {OTHERS, 'j', "threads", "N", MEASURE | CONVERT, set_integer, AT(library.threads), 1,
+     PL_MAX_THREADS, "must be a whole number from 1 to 1024",
      "run on N threads (default: OMP_NUM_THREADS, else one\n"
      "for each core, fewer for a small mesh)",
      NULL},
-    {0, "bind", "HOW", MEASURE, set_choice, AT(leave_unbound), 0, 0, NULL,
+    {OTHERS, 0, "bind", "HOW", MEASURE, set_choice, AT(leave_unbound), 0, 0, NULL,
      "auto (default): bind one thread to each core, if\n"
      "there are enough cores and no variable of OpenMP says\n"
      "otherwise; none: leave threads unbound",
      "auto none"},
-    {0, "json", "FILE", BOTH | COMPARE, set_text, AT(json), 0, 0, FILE_OR_STDOUT,
-     "write the result as JSON to FILE, - for standard\n"
-     "output",
-     "file"},
-    {0, "report", "FILE.html", BOTH | COMPARE, set_text, AT(report), 0, 0, FILE_OR_STDOUT,
-     "write an HTML report with tables, histograms,\n"
-     "convergence and a picture to FILE.html, - for\n"
-     "standard output",
-     "file"},
-    {0, "history", "K", SMOOTH, set_integer, AT(history), 3, 100,
-     "must be a whole number from 3 to 100",
-     "with --report: let the page play the smoothing, as at\n"
-     "most K states of the mesh, the first and the last\n"
-     "among them (default: these two alone)",
-     NULL},
-    {0, "worst", "N", QUALITY, set_integer, AT(n_worst), 1, INT_MAX,
+    {OTHERS, 0, "worst", "N", QUALITY, set_integer, AT(n_worst), 1, INT_MAX,
      "must be a whole number, 1 or more",
      "list the N worst elements, here and in the reports\n"
      "(default: none here, 10 in the reports)",
      NULL},
-    {'v', "verbose", NULL, SMOOTH | PL_OPTION_DOUBLED, set_verbose, 0, 0, 0, NULL,
+    {OTHERS, 'v', "verbose", NULL, SMOOTH | PL_OPTION_DOUBLED, set_verbose, 0, 0, 0, NULL,
      "print one line per sweep, and the placement of the\n"
      "threads; -vv: one line per colour as well",
      NULL},
-    {'q', "quiet", NULL, ALL & ~(ADVISE | GROUPS), set_flag, AT(verbosity), PL_QUIET, 0, NULL,
-     "print nothing but errors", NULL},
-    {'h', "help", NULL, ALL, set_flag, AT(help), 1, 0, NULL, "show this help and exit", NULL},
-    {0, "version", NULL, ALL, set_flag, AT(version), 1, 0, NULL, "show the version and exit", NULL},
+    {OTHERS, 'q', "quiet", NULL, ALL & ~(ADVISE | GROUPS), set_flag, AT(verbosity), PL_QUIET, 0,
+     NULL, "print nothing but errors", NULL},
+    {OTHERS, 'h', "help", NULL, ALL, set_flag, AT(help), 1, 0, NULL, "show this help and exit",
+     NULL},
+    {OTHERS, 0, "version", NULL, ALL, set_flag, AT(version), 1, 0, NULL,
+     "show the version and exit", NULL},
 };
 
 enum { N_OPTIONS = sizeof option_table / sizeof option_table[0] };
@@ -573,4 +596,8 @@ _Static_assert((int)N_OPTIONS <= (int)PL_MOST_OPTIONS, "a table of that many opt
 
 const pl_option *pl_option_at(int i) {
     return i < N_OPTIONS ? &option_table[i] : NULL;
+}
+
+const char *pl_section_title(pl_section section) {
+    return section_titles[section];
 }

@@ -1,6 +1,6 @@
 /* table: the rows of the table of options, for the parser and all that tells of options.
  *
- *     pl_option, pl_option_at                          the table (options.c)
+ *     pl_option, pl_option_at, pl_section_title        the table (options.c)
  */
 #ifndef PL_TOOLS_OPTIONS_TABLE_H
 #define PL_TOOLS_OPTIONS_TABLE_H
@@ -20,6 +20,16 @@ enum {
     PL_OPTION_DOUBLED = 2048    /* and another one if its letter is given twice, as in -vv */
 };
 
+/** Sections of the help, in the order of the table. */
+typedef enum {
+    PL_SECTION_FILES,
+    PL_SECTION_OBJECTIVE,
+    PL_SECTION_CONSTRAINTS,
+    PL_SECTION_NODES,
+    PL_SECTION_END,
+    PL_SECTION_OTHERS
+} pl_section;
+
 typedef struct pl_option pl_option;
 
 /** Take value (NULL: the option has none) into arguments. Returns NULL, or what the value must be; "":
@@ -29,6 +39,7 @@ typedef const char *pl_option_setter(pl_arguments *arguments, const pl_option *o
 
 /** Option of the command line. */
 struct pl_option {
+    pl_section section;
     int letter;        /* short option, or 0 */
     const char *name;  /* long option */
     const char *value; /* what its value is called, or NULL: takes none */
@@ -45,5 +56,8 @@ struct pl_option {
 
 /** Option i, 0 and up, or NULL behind the last. */
 const pl_option *pl_option_at(int i);
+
+/** "Nodes that move", for example. */
+const char *pl_section_title(pl_section section);
 
 #endif
