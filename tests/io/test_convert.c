@@ -460,6 +460,33 @@ static void own_names_are_lost(void **state) {
     planish_file_close(file);
 }
 
+/** Whole numbers beyond what a double holds exactly become numbers of any size, and that is said. */
+static void large_integers_are_told(void **state) {
+    file_builder b = {.binary = 0};
+    char lost[512];
+    builder_text(&b, "# vtk DataFile Version 3.0\n\nASCII\nDATASET UNSTRUCTURED_GRID\n"
+                     "POINTS 4 double\n0 0 0 1 0 0 0 1 0 0 0 1\nCELLS 1 5\n4 0 1 2 3\n"
+                     "CELL_TYPES 1\n10\nPOINT_DATA 4\nFIELD f 2\n");
+    builder_text(&b, "exact 1 4 long\n9007199254740992 -9007199254740991 0 1\n"
+                     "large 1 4 unsigned_long\n18446744073709551615 9223372036854775808 1 0\n");
+    planish_file *file = converting_open_built(*state, "large.vtk", &b);
+    static const char *const kinds[][2] = {{"vtk", ".vtk"}, {"vtu", ".vtu"}, {"gmsh", ".msh"}};
+    for (int t = 0; t < 3; t++) {
+        planish_file *copy = converting_to(*state, file, kinds[t][0], kinds[t][1], lost);
+        assert_non_null(strstr(lost, "the last digits of the array 'large'"));
+        assert_null(strstr(lost, "exact"));
+        planish_data exact, large;
+        assert_int_equal(planish_file_data(copy, "exact", &exact, NULL), 0);
+        assert_int_equal(planish_file_data(copy, "large", &large, NULL), 0);
+        assert_true(exact.values[0] == 0x1p53 && exact.values[1] == 1 - 0x1p53);
+        assert_true(large.values[0] == 0x1p64 && large.values[1] == 0x1p63 && large.values[2] == 1);
+        planish_data_free(&exact);
+        planish_data_free(&large);
+        planish_file_close(copy);
+    }
+    planish_file_close(file);
+}
+
 /* ---- negative solids ------------------------------------------------------------------------ */
 
 /** Solids that all are the other way round, as TetGen's, become positive; one of many stays. */
@@ -577,6 +604,7 @@ int main(void) {
         IN_A_FOLDER(regions_in_turn_are_converted),
         IN_A_FOLDER(data_are_converted),
         IN_A_FOLDER(own_names_are_lost),
+        IN_A_FOLDER(large_integers_are_told),
         IN_A_FOLDER(negative_solids_are_mirrored),
         IN_A_FOLDER(surfaces_are_converted),
         IN_A_FOLDER(wrong_targets_are_refused),

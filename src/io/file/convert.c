@@ -70,12 +70,16 @@ static int load(void *file, const io_view_field *field, planish_data *data, plan
     return io_file_read_data(file, field->name, field->of_elements, data, error);
 }
 
-/** Return whether all values are whole numbers of 32 bits. */
-static int is_narrow(const planish_data *data) {
-    int is = 1;
-    for (int64_t i = 0; i < data->n * data->n_components && is; i++)
-        is = fabs(data->values[i]) <= INT32_MAX;
-    return is;
+/** Set the integers that hold the values of a field, if any do: the file's may be larger. */
+static void find_integers(io_view_field *field, const planish_data *data, io_losses *losses) {
+    const double exact = 0x1p53; /* doubles have larger ones only in steps */
+    double largest = 0;
+    for (int64_t i = 0; i < data->n * data->n_components; i++)
+        largest = fmax(largest, fabs(data->values[i]));
+    field->is_narrow = largest <= INT32_MAX;
+    field->is_integer = largest <= exact;
+    if (!field->is_integer)
+        io_losses_add(losses, "the last digits of the array '%.64s'", field->name);
 }
 
 /** Find the arrays that can be read: field [n_fields], owned; others are lost. */
@@ -97,7 +101,8 @@ static int find_fields(planish_file *file, io_view_field **field, int *n_fields,
         planish_data data;
         planish_error ignored;
         const int status = load(file, &found, &data, &ignored);
-        found.is_narrow = found.is_integer && is_narrow(&data);
+        if (!status && found.is_integer)
+            find_integers(&found, &data, losses);
         planish_data_free(&data);
         if (status == PLANISH_ERROR_FILE || status == PLANISH_ERROR_MEMORY) {
             if (error)

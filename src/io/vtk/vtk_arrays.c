@@ -147,7 +147,8 @@ static void put_field(io_writer *writer, const io_view *view, const vtk_out_arra
         for (int k = 0; k < array->width; k++) {
             const double value =
                 at < 0 ? (double)NAN : component(&data, data.values + at * array->width, k);
-            put(writer, array->type, swapped, value, isfinite(value) ? (int64_t)value : 0);
+            const int is_whole = array->type != VTK_OUT_F64 && isfinite(value);
+            put(writer, array->type, swapped, value, is_whole ? (int64_t)value : 0);
         }
     }
     planish_data_free(&data);
