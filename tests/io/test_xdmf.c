@@ -394,19 +394,19 @@ static void attributes_are_data(void **state) {
           "number expected");
 }
 
-static void sets_are_groups_of_nodes(void **state) {
+#define SET(name, type, items) "<Set Name=\"" name "\" SetType=\"" type "\">" items "</Set>"
+#define SETS                                                                                       \
+    SET("ends", "Node", WHOLE("2", "0 4"))                                                         \
+    SET("second", "Cell", WHOLE("1", "1"))                                                         \
+    SET("face", "Face", WHOLE("2", "0 1") WHOLE("2", "3 1"))                                       \
+    SET("edge", "Edge", WHOLE("1", "9"))
+
+/** Check that the groups of SETS hold their nodes, and no others. */
+static void expect_groups(const planish_file *file) {
     static const struct {
         const char *name;
         int nodes; /* bits */
     } sets[] = {{"ends", 17}, {"second", 30}, {"face", 7 | 28}};
-    (void)state;
-    planish_file *file = reads(XDMF(GRID(TWO POINTS "<Set Name=\"ends\" SetType=\"Node\">" WHOLE(
-        "2", "0 4") "</Set>"
-                    "<Set Name=\"second\" SetType=\"Cell\">" WHOLE(
-                        "1", "1") "</Set>"
-                                  "<Set Name=\"face\" SetType=\"Face\">" WHOLE("2", "0 1") WHOLE(
-                                      "2", "3 1") "</Set><Set Name=\"edge\" "
-                                                  "SetType=\"Edge\">" WHOLE("1", "9") "</Set>")));
     for (size_t i = 0; i < sizeof sets / sizeof *sets; i++) {
         uint8_t reason[5];
         const planish_hold hold = {.tags = &sets[i].name, .n_tags = 1};
@@ -416,11 +416,23 @@ static void sets_are_groups_of_nodes(void **state) {
         for (int k = 0; k < 5; k++)
             assert_int_equal((reason[k] & PLANISH_FILE_FIX) != 0, sets[i].nodes >> k & 1);
     }
+}
+
+static void sets_are_groups_of_nodes(void **state) {
+    static const char *const none[] = {NULL};
+    (void)state;
+    planish_file *file = reads(XDMF(GRID(TWO POINTS SETS)));
+    expect_groups(file);
     planish_file_close(file);
-    fails(XDMF(GRID(TWO POINTS "<Set Name=\"a\" SetType=\"Node\">" WHOLE("1", "5") "</Set>")),
-          "is not in 0 .. 4");
-    fails(XDMF(GRID(TWO POINTS "<Set Name=\"a\" SetType=\"Face\">" WHOLE("1", "0")
-                        WHOLE("1", "4") "</Set>")),
+    /* Arrays of regions make other groups, and leave these. */
+    file = reads(XDMF(GRID(TWO POINTS SETS "<Attribute Name=\"region\" Center=\"Cell\">" WHOLE(
+        "2", "4 5") "</Attribute>")));
+    expect_groups(file);
+    assert_int_equal(planish_file_choose_regions(file, none, 0, NULL), 0);
+    expect_groups(file);
+    planish_file_close(file);
+    fails(XDMF(GRID(TWO POINTS SET("a", "Node", WHOLE("1", "5")))), "is not in 0 .. 4");
+    fails(XDMF(GRID(TWO POINTS SET("a", "Face", WHOLE("1", "0") WHOLE("1", "4")))),
           "has no face 4");
 }
 

@@ -206,6 +206,15 @@ static int32_t *find_entity_slot(const io_model *model, int dim, int32_t tag, in
     }
 }
 
+static void fill_entity_slots(io_model *model) {
+    for (int32_t i = 0; i < model->n_slots; i++)
+        model->entity_slot[i] = -1;
+    for (int32_t i = 0; i < model->n_entities; i++) {
+        const io_entity *e = &model->entity[i];
+        *find_entity_slot(model, e->dim, e->tag, e->n_physical, e->physical) = i;
+    }
+}
+
 /** Keep the hash table at most half full. */
 static int grow_entity_slots(io_model *model, planish_error *error) {
     enum { FIRST_SLOTS = 64 };
@@ -218,15 +227,11 @@ static int grow_entity_slots(io_model *model, planish_error *error) {
     int32_t *slot = pl_alloc(n_slots, sizeof *slot);
     if (!slot)
         return pl_fail_memory(error, "the regions of the file");
-    memset(slot, -1, (size_t)n_slots * sizeof *slot);
     pl_free(model->entity_slot);
     model->entity_slot = slot;
     model->entity_hash = pl_hash_draw(slot);
     model->n_slots = n_slots;
-    for (int32_t i = 0; i < model->n_entities; i++) {
-        const io_entity *e = &model->entity[i];
-        *find_entity_slot(model, e->dim, e->tag, e->n_physical, e->physical) = i;
-    }
+    fill_entity_slots(model);
     return PLANISH_OK;
 }
 
@@ -251,11 +256,13 @@ int32_t io_model_entity(io_model *model, int dim, int32_t tag, int n_physical,
 }
 
 void io_model_clear_entities(io_model *model) {
-    for (int32_t i = 0; i < model->n_entities; i++)
+    int32_t n = 0;
+    while (n < model->n_entities && model->entity[n].dim == 0)
+        n++;
+    for (int32_t i = n; i < model->n_entities; i++)
         pl_free(model->entity[i].physical);
-    model->n_entities = 0;
-    for (int32_t i = 0; i < model->n_slots; i++)
-        model->entity_slot[i] = -1;
+    model->n_entities = n;
+    fill_entity_slots(model);
 }
 
 int io_model_has_entity(const io_model *model, int dim, int32_t tag) {

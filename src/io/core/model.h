@@ -497,7 +497,7 @@ void io_others_set(io_model *model, int64_t i, int64_t begin, int type, const in
 int32_t io_model_entity(io_model *model, int dim, int32_t tag, int n_physical,
                         const int32_t *physical, planish_error *error);
 
-/** Forget all entities. */
+/** Forget the entities of elements. Those of nodes, which come first, stay. */
 void io_model_clear_entities(io_model *model);
 
 /** Return whether there is an entity of dim and tag without physical groups. */
