@@ -83,11 +83,11 @@ static void check_shortest(double value, int is_float) {
                  "the shortest text restores the value");
 }
 
-static void check_field(double value, int width, int implied) {
+static void check_field(double value, int width, io_exponent kind) {
     char text[IO_REAL_SIZE];
     double read;
-    const int length = io_format_field(text, value, width, implied);
-    const double rounded = io_round_to_field(value, width, implied);
+    const int length = io_format_field(text, value, width, kind);
+    const double rounded = io_round_to_field(value, width, kind);
     if (!isfinite(value)) {
         fuzz_require(length == 0 && same(rounded, value), "what is not finite has no field");
         return;
@@ -96,12 +96,12 @@ static void check_field(double value, int width, int implied) {
     fuzz_require(memchr(text, '.', (size_t)length) != NULL, "a field has a point");
     fuzz_require(io_slice_real((io_slice){text, text + length}, 1, &read) == 0 && read == rounded,
                  "a field reads as what its value rounds to");
-    fuzz_require(io_round_to_field(rounded, width, implied) == rounded, "rounding is done once");
+    fuzz_require(io_round_to_field(rounded, width, kind) == rounded, "rounding is done once");
 }
 
-static void check_order(double a, double b, int width, int implied) {
+static void check_order(double a, double b, int width, io_exponent kind) {
     if (a <= b && isfinite(a) && isfinite(b))
-        fuzz_require(io_round_to_field(a, width, implied) <= io_round_to_field(b, width, implied),
+        fuzz_require(io_round_to_field(a, width, kind) <= io_round_to_field(b, width, kind),
                      "rounding keeps the order");
 }
 
@@ -109,12 +109,13 @@ static void check_order(double a, double b, int width, int implied) {
 static void check_values(const uint8_t *data, size_t size) {
     double value[2] = {0};
     memcpy(value, data, size < sizeof value ? size : sizeof value);
-    const int width = 8 + (int)(size % (IO_REAL_SIZE - 8)), implied = size & 1;
+    const int width = 8 + (int)(size % (IO_REAL_SIZE - 8));
+    const io_exponent kind = (io_exponent)(size % (IO_EXPONENT_ALWAYS + 1));
     check_shortest(value[0], 0);
     check_shortest(value[0], 1);
-    check_field(value[0], width, implied);
-    check_order(value[0], value[1], width, implied);
-    check_order(value[0], nextafter(value[0], INFINITY), width, implied);
+    check_field(value[0], width, kind);
+    check_order(value[0], value[1], width, kind);
+    check_order(value[0], nextafter(value[0], INFINITY), width, kind);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);

@@ -73,10 +73,10 @@ static double read_text(const char *text, int length) {
     return value;
 }
 
-static void check_number(double value, int width, int implied) {
+static void check_number(double value, int width, int kind) {
     char text[IO_REAL_SIZE + 1];
-    const int length = io_format_field(text, value, width, implied);
-    const double rounded = io_round_to_field(value, width, implied);
+    const int length = io_format_field(text, value, width, kind);
+    const double rounded = io_round_to_field(value, width, kind);
     double packed = 0;
     assert_in_range(length, 2, width);
     text[length] = '\0';
@@ -86,9 +86,9 @@ static void check_number(double value, int width, int implied) {
     assert_true(read_text(text, length) == rounded && isfinite(rounded));
     assert_int_equal(io_slice_real((io_slice){text, text + length}, 1, &packed), 0);
     assert_true(packed == rounded);
-    assert_true(io_round_to_field(rounded, width, implied) == rounded);
+    assert_true(io_round_to_field(rounded, width, kind) == rounded);
     char again[IO_REAL_SIZE];
-    assert_int_equal(io_format_field(again, rounded, width, implied), length);
+    assert_int_equal(io_format_field(again, rounded, width, kind), length);
     assert_memory_equal(text, again, (size_t)length);
 }
 
@@ -98,15 +98,15 @@ static void what_is_written_is_what_rounding_says(void **state) {
     for (int i = 0; i < RANDOM_NUMBERS; i++) {
         const double value = random_number(&seed);
         for (int w = 0; w < N_WIDTHS; w++)
-            for (int implied = 0; implied < 2; implied++)
-                check_number(value, widths[w], implied);
+            for (int kind = 0; kind <= IO_EXPONENT_ALWAYS; kind++)
+                check_number(value, widths[w], kind);
     }
 }
 
 /** A text of the whole number mantissa with decimals of its digits behind the point and an exponent
- *  (none if it is 0); -1 if it is longer than width. */
+ *  (none if it is 0 and need not be); -1 if it is longer than width. */
 static int candidate(char *text, int negative, long long mantissa, int decimals, int exponent,
-                     int implied, int width) {
+                     int kind, int width) {
     char digits[TEXT_SIZE];
     int n = snprintf(digits, sizeof digits, "%lld", mantissa), length = 0;
     if (decimals > 2 * width || n > 19)
@@ -120,13 +120,13 @@ static int candidate(char *text, int negative, long long mantissa, int decimals,
         text[length++] = '0';
     for (int i = n > decimals ? n - decimals : 0; i < n; i++)
         text[length++] = digits[i];
-    if (exponent)
-        length += sprintf(text + length, implied ? "%+d" : "e%d", exponent);
+    if (exponent || kind == IO_EXPONENT_ALWAYS)
+        length += sprintf(text + length, kind == IO_EXPONENT_IMPLIED ? "%+d" : "e%d", exponent);
     return length <= width ? length : -1;
 }
 
 /** The least error of all texts of width characters, found by trying them. */
-static double least_error(double value, int width, int implied) {
+static double least_error(double value, int width, int kind) {
     const int decade = value == 0 ? 0 : (int)floor(log10(fabs(value)));
     double least = INFINITY;
     for (int exponent = decade - width; exponent <= decade + width; exponent++) {
@@ -140,7 +140,7 @@ static double least_error(double value, int width, int implied) {
                 const long long mantissa = (long long)floorl(scaled) + step;
                 const int length = mantissa < 0 ? -1
                                                 : candidate(text, value < 0, mantissa, decimals,
-                                                            tried, implied, width);
+                                                            tried, kind, width);
                 if (length > 0) {
                     const double error = fabs(read_text(text, length) - value);
                     least = error < least ? error : least;
@@ -156,12 +156,12 @@ static void no_text_is_nearer(void **state) {
     uint64_t seed = 4101842887655102017u;
     for (int i = 0; i < SEARCHED_NUMBERS; i++) {
         const double value = random_number(&seed);
-        const int width = widths[i % N_WIDTHS], implied = i / N_WIDTHS % 2;
-        const double error = fabs(io_round_to_field(value, width, implied) - value);
-        if (!(error <= least_error(value, width, implied)))
+        const int width = widths[i % N_WIDTHS], kind = i / N_WIDTHS % (IO_EXPONENT_ALWAYS + 1);
+        const double error = fabs(io_round_to_field(value, width, kind) - value);
+        if (!(error <= least_error(value, width, kind)))
             print_error("%.17g in %d characters: error %g, not %g\n", value, width, error,
-                        least_error(value, width, implied));
-        assert_true(error <= least_error(value, width, implied));
+                        least_error(value, width, kind));
+        assert_true(error <= least_error(value, width, kind));
     }
 }
 
@@ -184,10 +184,10 @@ static void rounding_keeps_the_order(void **state) {
     }
     qsort(value, N, sizeof *value, compare);
     for (int w = 0; w < N_WIDTHS; w++)
-        for (int implied = 0; implied < 2; implied++)
+        for (int kind = 0; kind <= IO_EXPONENT_ALWAYS; kind++)
             for (int i = 1; i < N; i++)
-                assert_true(io_round_to_field(value[i - 1], widths[w], implied) <=
-                            io_round_to_field(value[i], widths[w], implied));
+                assert_true(io_round_to_field(value[i - 1], widths[w], kind) <=
+                            io_round_to_field(value[i], widths[w], kind));
     free(value);
 }
 
@@ -195,55 +195,61 @@ static void known_numbers(void **state) {
     (void)state;
     static const struct {
         double value;
-        int width, implied;
+        int width;
+        io_exponent kind;
         const char *text;
     } cases[] = {
-        {0, 8, 1, "0."},
-        {-0.0, 8, 1, "0."},
-        {1, 8, 1, "1."},
-        {-1, 8, 1, "-1."},
-        {0.5, 8, 1, ".5"},
-        {0.1, 20, 0, ".1"},
-        {123.456, 8, 1, "123.456"},
-        {-1234567, 8, 1, "-1.235+6"},
-        {1234567, 8, 1, "1234567."},
-        {12345678, 8, 1, "1.2346+7"},
-        {9.9999999, 8, 1, "10."},
-        {0.99999999, 8, 1, "1."},
-        {-0.9999999, 8, 1, "-1."},
-        {9999999.6, 8, 1, "1.+7"},
-        {99999999.6, 8, 1, "1.+8"},
-        {1.0 / 3, 8, 1, ".3333333"},
-        {-1.0 / 3, 8, 1, "-.333333"},
-        {1.0 / 3, 16, 1, ".333333333333333"},
-        {1.0 / 3, 20, 0, ".3333333333333333"},
-        {1.2345678e-5, 8, 1, "1.2346-5"},
-        {1.2345678e-5, 8, 0, "1.235e-5"},
-        {1.2345678e-10, 8, 1, ".12346-9"},
-        {1.2345678e-10, 8, 0, ".1235e-9"},
-        {1.2345678e10, 8, 1, "12.346+9"},
-        {1.2345678e10, 8, 0, "12.346e9"},
-        {1e10, 8, 0, "1.e10"},
-        {0.001, 8, 1, ".001"},
-        {5e-324, 8, 1, "5.-324"},
-        {-5e-324, 8, 0, "-5.e-324"},
-        {DBL_MAX, 8, 1, "1.79+308"},
-        {-DBL_MAX, 8, 1, "-1.7+308"},
-        {-DBL_MAX, 8, 0, "-1.7e308"},
-        {DBL_MAX, 20, 0, "1.79769313486231e308"},
+        {0, 8, IO_EXPONENT_IMPLIED, "0."},
+        {-0.0, 8, IO_EXPONENT_IMPLIED, "0."},
+        {1, 8, IO_EXPONENT_IMPLIED, "1."},
+        {-1, 8, IO_EXPONENT_IMPLIED, "-1."},
+        {0.5, 8, IO_EXPONENT_IMPLIED, ".5"},
+        {0.1, 20, IO_EXPONENT_NEEDED, ".1"},
+        {123.456, 8, IO_EXPONENT_IMPLIED, "123.456"},
+        {-1234567, 8, IO_EXPONENT_IMPLIED, "-1.235+6"},
+        {1234567, 8, IO_EXPONENT_IMPLIED, "1234567."},
+        {12345678, 8, IO_EXPONENT_IMPLIED, "1.2346+7"},
+        {9.9999999, 8, IO_EXPONENT_IMPLIED, "10."},
+        {0.99999999, 8, IO_EXPONENT_IMPLIED, "1."},
+        {-0.9999999, 8, IO_EXPONENT_IMPLIED, "-1."},
+        {9999999.6, 8, IO_EXPONENT_IMPLIED, "1.+7"},
+        {99999999.6, 8, IO_EXPONENT_IMPLIED, "1.+8"},
+        {1.0 / 3, 8, IO_EXPONENT_IMPLIED, ".3333333"},
+        {-1.0 / 3, 8, IO_EXPONENT_IMPLIED, "-.333333"},
+        {1.0 / 3, 16, IO_EXPONENT_IMPLIED, ".333333333333333"},
+        {1.0 / 3, 20, IO_EXPONENT_NEEDED, ".3333333333333333"},
+        {1.2345678e-5, 8, IO_EXPONENT_IMPLIED, "1.2346-5"},
+        {1.2345678e-5, 8, IO_EXPONENT_NEEDED, "1.235e-5"},
+        {1.2345678e-10, 8, IO_EXPONENT_IMPLIED, ".12346-9"},
+        {1.2345678e-10, 8, IO_EXPONENT_NEEDED, ".1235e-9"},
+        {1.2345678e10, 8, IO_EXPONENT_IMPLIED, "12.346+9"},
+        {1.2345678e10, 8, IO_EXPONENT_NEEDED, "12.346e9"},
+        {1e10, 8, IO_EXPONENT_NEEDED, "1.e10"},
+        {0.001, 8, IO_EXPONENT_IMPLIED, ".001"},
+        {5e-324, 8, IO_EXPONENT_IMPLIED, "5.-324"},
+        {-5e-324, 8, IO_EXPONENT_NEEDED, "-5.e-324"},
+        {DBL_MAX, 8, IO_EXPONENT_IMPLIED, "1.79+308"},
+        {-DBL_MAX, 8, IO_EXPONENT_IMPLIED, "-1.7+308"},
+        {-DBL_MAX, 8, IO_EXPONENT_NEEDED, "-1.7e308"},
+        {DBL_MAX, 20, IO_EXPONENT_NEEDED, "1.79769313486231e308"},
+        {0, 12, IO_EXPONENT_ALWAYS, "0.e0"},
+        {1, 12, IO_EXPONENT_ALWAYS, "1.e0"},
+        {-1.0 / 3, 12, IO_EXPONENT_ALWAYS, "-.33333333e0"},
+        {1.0 / 3, 24, IO_EXPONENT_ALWAYS, "3.333333333333333e-1"},
+        {-DBL_MAX, 24, IO_EXPONENT_ALWAYS, "-1.7976931348623157e308"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char text[IO_REAL_SIZE + 1];
-        const int length = io_format_field(text, cases[i].value, cases[i].width, cases[i].implied);
+        const int length = io_format_field(text, cases[i].value, cases[i].width, cases[i].kind);
         text[length] = '\0';
         assert_string_equal(text, cases[i].text);
-        check_number(cases[i].value, cases[i].width, cases[i].implied);
+        check_number(cases[i].value, cases[i].width, cases[i].kind);
     }
     char text[IO_REAL_SIZE];
-    assert_int_equal(io_format_field(text, NAN, 8, 1), 0);
-    assert_int_equal(io_format_field(text, INFINITY, 8, 1), 0);
-    assert_true(isnan(io_round_to_field(NAN, 8, 1)));
-    assert_true(io_round_to_field(-INFINITY, 8, 1) == -INFINITY);
+    assert_int_equal(io_format_field(text, NAN, 8, IO_EXPONENT_IMPLIED), 0);
+    assert_int_equal(io_format_field(text, INFINITY, 8, IO_EXPONENT_IMPLIED), 0);
+    assert_true(isnan(io_round_to_field(NAN, 8, IO_EXPONENT_IMPLIED)));
+    assert_true(io_round_to_field(-INFINITY, 8, IO_EXPONENT_IMPLIED) == -INFINITY);
 }
 
 /** Numbers halfway between two of a field, and those beside them: what decides is the number

@@ -353,19 +353,20 @@ static void files_are_cut_anywhere(void **state) {
 
 #define ZERO25 "   0.0000000000000000D+00"
 
+/** Exponents stay: Fortran reads numbers without one as others (1PD25.16). */
 static void numbers_keep_their_columns(void **state) {
     static const struct {
         const char *before, *after;
     } cases[] = {
         {NODE("1", ZERO25 ZERO25 ZERO25),
-         NODE("1", " .125                    " ZERO25 " 123456.789              ")},
+         NODE("1", "                  1.25D-1" ZERO25 "             1.23456789D5")},
         {NODE("1", "0.0000000000000000000D+00" ZERO25 "0.0000000000000000000D+00"),
-         NODE("1", ".125                     " ZERO25 "123456.789               ")},
+         NODE("1", "                  1.25D-1" ZERO25 "             1.23456789D5")},
         {NODE("1", ZERO25 ZERO25 "   0.0"),
-         NODE("1", " .125                    " ZERO25 " 123456.789")},
+         NODE("1", "                  1.25D-1" ZERO25 " 1.23456789D5")},
         {NODE("1", " 0.0  0 0"), NODE("1", " 0.125  0 123456.789")},
         {NODE("1", ZERO25 "   1.0000000000000000-105   0.0000000000000000+000"),
-         NODE("1", " .125                       1.0000000000000000-105 123456.789              ")},
+         NODE("1", "                  1.25D-1   1.0000000000000000-105             1.23456789D5")},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char before[2048], after[2048];
@@ -385,16 +386,16 @@ static void numbers_of_13_columns(void **state) {
     static const struct {
         const char *before, *after;
     } cases[] = {
-        {LINE("1", ZERO13 ZERO13 ZERO13), LINE("1", " .125        "
-                                                    " -.3333333333"
-                                                    " 123456.789  ")},
-        {LINE("1", ZERO13 "  0.00000E+00-0.000000E+00"), LINE("1", " .125        "
-                                                                   " -.3333333333"
-                                                                   "123456.789   ")},
+        {LINE("1", ZERO13 ZERO13 ZERO13), LINE("1", "      1.25E-1"
+                                                    " -.33333333E0"
+                                                    " 1.23456789E5")},
+        {LINE("1", ZERO13 "  0.00000E+00-0.000000E+00"), LINE("1", "      1.25E-1"
+                                                                   " -.33333333E0"
+                                                                   " 1.23456789E5")},
         {"         1         0         0        111 0.00000E+00" ZERO13 ZERO13
          "\n", /* a colour too long */
-         "         1         0         0        111 .125  -.3333333333  123456.789\n"},
-        {LINE("1", " 0 0 0"), LINE("1", " .125 -.3333333333 123456.789")},
+         "         1         0         0        111 1.25E-1  -.33333333E0  1.23456789E5\n"},
+        {LINE("1", " 0 0 0"), LINE("1", " 1.25E-1 -.33333333E0 1.23456789E5")},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char before[2048], after[2048];
@@ -434,10 +435,13 @@ static void columns_hold_every_double(void **state) {
         memcpy(&value, &bits, sizeof value);
         if (!isfinite(value))
             continue;
-        const char *at = text, *end = text + io_format_field(text, value, 24, 0);
-        assert_true(end - text <= 24 && memchr(text, '.', (size_t)(end - text)));
-        assert_int_equal(io_parse_real(&at, end, &found), 0);
-        assert_true(at == end && found == value);
+        for (int kind = IO_EXPONENT_NEEDED; kind <= IO_EXPONENT_ALWAYS;
+             kind += IO_EXPONENT_ALWAYS) {
+            const char *at = text, *end = text + io_format_field(text, value, 24, kind);
+            assert_true(end - text <= 24 && memchr(text, '.', (size_t)(end - text)));
+            assert_int_equal(io_parse_real(&at, end, &found), 0);
+            assert_true(at == end && found == value);
+        }
     }
 }
 

@@ -29,9 +29,9 @@ struct decimal {
 // ---- how many digits fit ------------------------------------------------------------------------
 
 // Characters of an exponent: -5, +12, or e-5, e12.
-constexpr int exponent_length(int exponent, bool implied) {
+constexpr int exponent_length(int exponent, io_exponent kind) {
     const int size = exponent < 0 ? -exponent : exponent;
-    return 2 + (size > 9) + (size > 99) + (!implied && exponent < 0);
+    return 2 + (size > 9) + (size > 99) + (kind != IO_EXPONENT_IMPLIED && exponent < 0);
 }
 
 // Digits that fit into room characters (a sign not among them) without an exponent; 0: none.
@@ -42,15 +42,15 @@ constexpr int fixed_digits(int room, int decade) {
 }
 
 // The same with an exponent and point digits before the point.
-constexpr int scientific_digits(int room, int decade, int point, bool implied) {
-    const int digits = room - 1 - exponent_length(decade + 1 - point, implied);
+constexpr int scientific_digits(int room, int decade, int point, io_exponent kind) {
+    const int digits = room - 1 - exponent_length(decade + 1 - point, kind);
     return digits >= point && digits > 0 ? digits : 0;
 }
 
-constexpr int digits_that_fit(int room, int decade, bool implied) {
-    int most = fixed_digits(room, decade);
+constexpr int digits_that_fit(int room, int decade, io_exponent kind) {
+    int most = kind == IO_EXPONENT_ALWAYS ? 0 : fixed_digits(room, decade);
     for (int point = 0; point < room; point++) {
-        const int digits = scientific_digits(room, decade, point, implied);
+        const int digits = scientific_digits(room, decade, point, kind);
         most = digits > most ? digits : most;
     }
     return most;
@@ -83,12 +83,12 @@ double value_of(const decimal &d) {
 
 // The decimal number in reach of a field that is nearest to size > 0; the shortest that restores it
 // if that fits.
-decimal nearest(double size, int room, bool implied) {
+decimal nearest(double size, int room, io_exponent kind) {
     char text[widest + 16];
     char *end = text + sizeof text;
     auto shortest = std::to_chars(text, end, size, std::chars_format::scientific);
     decimal d = decimal_of(text, shortest.ptr);
-    const int digits = digits_that_fit(room, d.decade, implied);
+    const int digits = digits_that_fit(room, d.decade, kind);
     if (d.n <= digits)
         return d;
     auto rounded = std::to_chars(text, end, size, std::chars_format::scientific, digits - 1);
@@ -120,21 +120,21 @@ int fixed_length(const decimal &d) {
     return d.decade >= 0 ? std::max(d.n, d.decade + 1) + 1 : d.n - d.decade;
 }
 
-int scientific_length(const decimal &d, int point, bool implied) {
-    return std::max(d.n, point) + 1 + exponent_length(d.decade + 1 - point, implied);
+int scientific_length(const decimal &d, int point, io_exponent kind) {
+    return std::max(d.n, point) + 1 + exponent_length(d.decade + 1 - point, kind);
 }
 
-// Without an exponent if that fits, else with one digit before the point, else as it fits.
-char *put(char *to, const decimal &d, int room, bool implied) {
-    if (fixed_length(d) <= room)
+// Without an exponent if that fits and may be, else with one digit before the point, else as it fits.
+char *put(char *to, const decimal &d, int room, io_exponent kind) {
+    if (kind != IO_EXPONENT_ALWAYS && fixed_length(d) <= room)
         return put_mantissa(to, d, d.decade + 1);
     int point = 1;
-    if (scientific_length(d, point, implied) > room)
-        for (point = 0; point < room && scientific_length(d, point, implied) > room; point++)
+    if (scientific_length(d, point, kind) > room)
+        for (point = 0; point < room && scientific_length(d, point, kind) > room; point++)
             ;
     const int exponent = d.decade + 1 - point;
     to = put_mantissa(to, d, point);
-    if (!implied)
+    if (kind != IO_EXPONENT_IMPLIED)
         *to++ = 'e';
     else if (exponent > 0)
         *to++ = '+';
@@ -144,6 +144,7 @@ char *put(char *to, const decimal &d, int room, bool implied) {
 // ---- fast rounding ------------------------------------------------------------------------------
 
 constexpr int first_decade = -9, last_decade = 15;
+constexpr int n_kinds = IO_EXPONENT_ALWAYS + 1;
 
 constexpr double powers[] = {1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1e0,  1e1,
                              1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11, 1e12,
@@ -154,16 +155,17 @@ constexpr double power_of_ten(int exponent) {
 }
 
 using digit_table =
-    std::array<std::array<std::array<signed char, last_decade - first_decade + 1>, widest + 1>, 2>;
+    std::array<std::array<std::array<signed char, last_decade - first_decade + 1>, widest + 1>,
+               n_kinds>;
 
 constexpr digit_table make_digit_table() {
     digit_table table{};
-    for (int implied = 0; implied < 2; implied++)
+    for (int kind = 0; kind < n_kinds; kind++)
         for (int room = 1; room <= widest; room++)
             for (int decade = first_decade; decade <= last_decade; decade++)
-                table[static_cast<size_t>(implied)][static_cast<size_t>(room)]
-                     [static_cast<size_t>(decade - first_decade)] =
-                         static_cast<signed char>(digits_that_fit(room, decade, implied != 0));
+                table[static_cast<size_t>(kind)][static_cast<size_t>(room)]
+                     [static_cast<size_t>(decade - first_decade)] = static_cast<signed char>(
+                         digits_that_fit(room, decade, static_cast<io_exponent>(kind)));
     return table;
 }
 
@@ -194,30 +196,31 @@ double round_to_decimals(double value, int decimals) {
 
 } // namespace
 
-extern "C" int io_format_field(char *text, double value, int width, int implied_exponent) {
+extern "C" int io_format_field(char *text, double value, int width, io_exponent kind) {
     if (!std::isfinite(value))
         return 0;
     char *to = text;
     if (value == 0) {
         *to++ = '0';
         *to++ = '.';
-        return 2;
+        if (kind == IO_EXPONENT_ALWAYS)
+            to = std::copy_n("e0", 2, to);
+        return static_cast<int>(to - text);
     }
     const int room = width - (value < 0);
     if (value < 0)
         *to++ = '-';
-    const decimal d = nearest(std::fabs(value), room, implied_exponent != 0);
-    return static_cast<int>(put(to, d, room, implied_exponent != 0) - text);
+    const decimal d = nearest(std::fabs(value), room, kind);
+    return static_cast<int>(put(to, d, room, kind) - text);
 }
 
-extern "C" double io_round_to_field(double value, int width, int implied_exponent) {
+extern "C" double io_round_to_field(double value, int width, io_exponent kind) {
     const double size = std::fabs(value);
     const int room = width - (value < 0);
-    const bool implied = implied_exponent != 0;
     if (size >= power_of_ten(first_decade) && size < power_of_ten(last_decade + 1)) {
         const int decade = decade_of(size);
         const int digits =
-            table[implied][static_cast<size_t>(room)][static_cast<size_t>(decade - first_decade)];
+            table[kind][static_cast<size_t>(room)][static_cast<size_t>(decade - first_decade)];
         const int decimals = digits - 1 - decade;
         if (digits >= most_digits)
             return value;
@@ -228,6 +231,6 @@ extern "C" double io_round_to_field(double value, int width, int implied_exponen
         return 0;
     if (!std::isfinite(value))
         return value;
-    const double rounded = value_of(nearest(size, room, implied));
+    const double rounded = value_of(nearest(size, room, kind));
     return value < 0 ? -rounded : rounded;
 }

@@ -37,6 +37,7 @@
 #include "base/printf.h"
 #include "io/core/cell_types.h"
 #include "io/core/names.h"
+#include "io/core/number.h"
 #include "io/core/order.h"
 
 #include <planish/planish_io.h>
@@ -266,7 +267,8 @@ typedef struct io_model {
         precision;        /* PLANISH_PRECISION_FLOAT: values are rounded to float; _ROUNDED: to
                                     field_width characters */
     int field_width;      /* of the narrowest field of a coordinate */
-    int implied_exponent; /* exponents are written without an e (Nastran) */
+    io_exponent exponent; /* of coordinates in such fields; */
+    char exponent_letter; /* its letter, if all have one */
     int columns;          /* coordinates of a node in the file: 2, or 3 by default */
     int64_t n_nodes;
     double *xyz;          /* [n_nodes][3] (z = 0 where columns is 2); NULL once it is known that the

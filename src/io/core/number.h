@@ -31,15 +31,20 @@ enum { IO_REAL_SIZE = 32 };
  *  most IO_REAL_SIZE; no terminator. */
 int io_format_real(char *text, double value, int is_float);
 
+/** Exponents of numbers in fields. */
+typedef enum io_exponent {
+    IO_EXPONENT_NEEDED,  /* where the number is nearer with one */
+    IO_EXPONENT_IMPLIED, /* likewise, behind the mantissa without an e (Nastran's 1.5-3) */
+    IO_EXPONENT_ALWAYS   /* a Fortran format with a scale factor (1PE13.5) takes 1.5 as 0.15 */
+} io_exponent;
+
 /** Write the text of at most width characters (8 or more, less than IO_REAL_SIZE) that is nearest
- *  to value, with a point in it; without an exponent where that is as near. implied_exponent:
- *  exponents follow the mantissa without an e (Nastran's 1.5-3). Return its length, or 0: value is
- *  not finite. -0 is written as 0. */
-int io_format_field(char *text, double value, int width, int implied_exponent);
+ *  to value, with a point in it. Return its length, or 0: value is not finite. -0 is written as 0. */
+int io_format_field(char *text, double value, int width, io_exponent kind);
 
 /** Return the value of that text: the nearest of the numbers that a field can hold. value itself if
  *  it is not finite. Much faster than to write and to read it. */
-double io_round_to_field(double value, int width, int implied_exponent);
+double io_round_to_field(double value, int width, io_exponent kind);
 
 #ifdef __cplusplus
 }

@@ -316,7 +316,7 @@ int io_nodes_coordinate(io_model *model, int d, io_slice field, planish_error *e
     const int64_t node = model->n_nodes - 1;
     double *value = &model->xyz[3 * node + d];
     if (field.begin == field.end ||
-        (!io_slice_real(field, model->implied_exponent, value) && isfinite(*value)))
+        (!io_slice_real(field, model->exponent == IO_EXPONENT_IMPLIED, value) && isfinite(*value)))
         return PLANISH_OK;
     return io_fail_at(model, field.begin, error,
                       "node %lld: '%.*s' is not a coordinate (a finite real number)",

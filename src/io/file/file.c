@@ -394,7 +394,7 @@ const char *planish_io_version(void) {
 
 static double round_to_field(double value, void *user) {
     const io_model *model = user;
-    return io_round_to_field(value, model->field_width, model->implied_exponent);
+    return io_round_to_field(value, model->field_width, model->exponent);
 }
 
 /** Return whether the last line of a text has no end. */

@@ -43,7 +43,7 @@ void io_plane_project(const io_plane *plane, const double xyz[3], double uv[2]) 
 static double store(const io_model *model, double value) {
     return model->precision == PLANISH_PRECISION_FLOAT ? pl_round_to_float(value)
            : model->precision == PLANISH_PRECISION_ROUNDED
-               ? io_round_to_field(value, model->field_width, model->implied_exponent)
+               ? io_round_to_field(value, model->field_width, model->exponent)
                : value;
 }
 

@@ -112,6 +112,12 @@ static int next_field(const splice *s, io_cursor *cursor, int d, io_field *field
     return 0;
 }
 
+static void put_blanks(sink *to, int64_t n) {
+    char *at = n > 0 ? take_room(to, n) : NULL;
+    if (at)
+        memset(at, ' ', (size_t)n);
+}
+
 /** Put the number in place of what the field has. */
 static void put_number(const splice *s, const io_field *field, double value, sink *to) {
     char text[IO_REAL_SIZE];
@@ -119,16 +125,19 @@ static void put_number(const splice *s, const io_field *field, double value, sin
         put(to, text, io_format_real(text, value, s->model->precision == PLANISH_PRECISION_FLOAT));
         return;
     }
-    const int64_t length = io_format_field(text, value, field->width, s->model->implied_exponent);
+    const io_exponent exponent = s->model->exponent;
+    const int64_t length = io_format_field(text, value, field->width, exponent);
     if (length == 0) { /* no such text: what is there stays */
         put(to, field->begin, field->end - field->begin);
         return;
     }
-    put(to, text, length);
+    char *letter = exponent == IO_EXPONENT_ALWAYS ? memchr(text, 'e', (size_t)length) : NULL;
+    if (letter)
+        *letter = s->model->exponent_letter;
     const int64_t blanks = field->is_fixed ? field->end - field->begin - length : 0;
-    char *at = blanks > 0 ? take_room(to, blanks) : NULL;
-    if (at)
-        memset(at, ' ', (size_t)blanks);
+    put_blanks(to, letter ? blanks : 0); /* blanks behind an exponent may be read as zeros */
+    put(to, text, length);
+    put_blanks(to, letter ? 0 : blanks);
 }
 
 /** Text that has to be written before a number behind fields that the file cuts short or has not.

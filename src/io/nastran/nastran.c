@@ -342,7 +342,7 @@ static int read_grids(reader *r) {
     io_model *model = r->model;
     /* Free fields are as wide as the narrowest field of the file, or as those that the file has. */
     const int is_short = r->has_short || (r->has_free && !r->has_wide);
-    model->implied_exponent = 1;
+    model->exponent = IO_EXPONENT_IMPLIED;
     int status = io_nodes_begin(model, r->n_grids,
                                 is_short ? NASTRAN_SHORT_FIELD : NASTRAN_LONG_FIELD, r->error);
     if (!status)

@@ -65,7 +65,7 @@ static void put_number(nastran_out *n, int64_t number) {
 /** Put a coordinate, as near as 16 columns can say it. */
 static void put_real(nastran_out *n, double value) {
     char text[WIDE_FIELD + 1];
-    const int length = io_format_field(text, value, WIDE_FIELD, 1);
+    const int length = io_format_field(text, value, WIDE_FIELD, IO_EXPONENT_IMPLIED);
     io_put_format(&n->writer, "%*.*s", WIDE_FIELD, length, text);
 }
 

@@ -13,6 +13,7 @@
 #include "base/status.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 enum {
     COLUMN = 25,
@@ -251,6 +252,20 @@ static void note_system(unv_reader *r, const io_section *s) {
         r->common = find_system(r, system);
 }
 
+/** Note the letter of exponents, if coordinates have one: datasets are written by Fortran's 1PD25.16
+ *  or 1PE13.5, and numbers without an exponent mean others there. */
+static void note_exponent(io_model *model, const io_section *s) {
+    enum { MOST = 10000 }; /* bytes */
+    const char *end = s->end - s->data > MOST ? s->data + MOST : s->end;
+    const char *at = s->data;
+    while (at < end && !memchr("DdEe", *at, 4))
+        at++;
+    if (at == end)
+        return;
+    model->exponent = IO_EXPONENT_ALWAYS;
+    model->exponent_letter = *at;
+}
+
 /** Count the nodes of all datasets, which must have them in the same kind of lines. */
 static int count_nodes(unv_reader *r, int64_t *n, unv_kind *kind) {
     *n = 0;
@@ -266,8 +281,10 @@ static int count_nodes(unv_reader *r, int64_t *n, unv_kind *kind) {
             return io_fail_at(r->model, s->end, r->error,
                               "nodes of two lines each expected, there are %lld lines",
                               (long long)s->count);
-        if (*n == 0 && s->count > 0)
+        if (*n == 0 && s->count > 0) {
             note_system(r, s);
+            note_exponent(r->model, s);
+        }
         *kind = k;
         *n += s->count / (k == UNV_NODES ? 2 : 1);
     }
