@@ -13,7 +13,8 @@
  *     get_supported, supported_groups, included     boundary conditions; included files
  *     element_number, node_number, element_region   how the file calls an element or node
  *     can_write, check_output, write                write the file with the new coordinates
- *     can_convert, convert, target                  write the mesh in another format
+ *     can_convert, check_conversion, convert        write the mesh in another format
+ *     target, target_of                             the formats for that
  *
  * planish_sol_read reads the sizes that Medit keeps beside its meshes, planish_data_free frees data.
  * planish_io_version is the version of this library.
@@ -406,9 +407,14 @@ PLANISH_API const char *planish_file_target(int i);
 /** Return the name of such a format by the extension of path, or NULL if there is none. */
 PLANISH_API const char *planish_file_target_of(const char *path);
 
-/** Return 1 if path has the extension of another format to which the mesh can be converted, else 0.
+/** Return 1 if path has the extension of another format to which meshes can be converted, else 0.
  *  For the file's own format use planish_file_can_write. */
 PLANISH_API int planish_file_can_convert(const planish_file *file, const char *path);
+
+/** Check, before work is done, that planish_file_convert can write the mesh to path in the format
+ *  (NULL: by the extension). Errors: _ARGUMENT as there. */
+PLANISH_API int planish_file_check_conversion(const planish_file *file, const char *path,
+                                              const char *format, planish_error *error);
 
 /** How a file is converted, and the data that the new file gets besides the mesh. Only VTK's formats get
  *  values of elements, under the names of these fields. Each array may be NULL. */
@@ -431,8 +437,8 @@ typedef struct planish_convert_options {
 /** Convert the file, at coordinates [n_nodes][dim], to another format and write it to path: nodes and
  *  elements with their numbers, regions, groups, and arrays of numbers of nodes and elements
  *  (planish_file_data), as far as that format can hold them (docs/formats.md). options (NULL: all 0).
- *  Errors: _FILE, _MEMORY, _ARGUMENT (an unknown format; a format that can hold nothing of the mesh);
- *  nothing is left behind then, and lost is as before. */
+ *  Errors: _FILE, _MEMORY, _ARGUMENT (an unknown format; a format that can hold nothing of the mesh;
+ *  coordinates that are not finite); nothing is left behind then, and lost is as before. */
 PLANISH_API int planish_file_convert(planish_file *file, const char *path,
                                      const double *coordinates,
                                      const planish_convert_options *options, planish_error *error);

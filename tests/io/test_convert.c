@@ -576,6 +576,61 @@ static void wrong_targets_are_refused(void **state) {
     planish_file_close(file);
 }
 
+/** What a conversion refuses is known before it, without a file. */
+static void conversions_are_checked_before(void **state) {
+    static const struct {
+        const char *path, *format, *word; /* word: of the error, or NULL: there is none */
+    } cases[] = {
+        {"a.vtu", NULL, NULL},
+        {"a", "gmsh", NULL},
+        {"a.stl", NULL, "no triangles"},
+        {"a", "ply", "no triangles"},
+        {"a.mesh", NULL, NULL},
+        {"a.MESHB", "medit", ".mesh"},
+        {"a.meshb", NULL, "the extension"},
+        {"a.vtu", "none", "cannot convert"},
+    };
+    char from[TEST_PATH_SIZE];
+    (void)state;
+    test_path_from(from, "PLANISH_TEST_DATA", "tetgen.node");
+    planish_file *file = converting_open(from);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        planish_error error = {.text = ""};
+        const int status =
+            planish_file_check_conversion(file, cases[i].path, cases[i].format, &error);
+        assert_int_equal(status, cases[i].word ? PLANISH_ERROR_ARGUMENT : PLANISH_OK);
+        if (cases[i].word)
+            assert_non_null(strstr(error.text, cases[i].word));
+    }
+    assert_int_equal(planish_file_check_conversion(NULL, "a.vtu", NULL, NULL),
+                     PLANISH_ERROR_ARGUMENT);
+    assert_int_equal(planish_file_check_conversion(file, NULL, NULL, NULL), PLANISH_ERROR_ARGUMENT);
+    planish_file_close(file);
+}
+
+/** Coordinates that are no numbers are not written: Nastran would have zeros for them. */
+static void coordinates_must_be_finite(void **state) {
+    char path[TEST_PATH_SIZE], from[TEST_PATH_SIZE];
+    test_path_from(from, "PLANISH_TEST_DATA", "tetgen.node");
+    planish_file *file = converting_open(from);
+    const planish_mesh mesh = planish_file_mesh(file);
+    double *x = planish_file_coordinates(file);
+    for (int k = 0; k < 2; k++) {
+        x[3 * mesh.n_nodes - 1] = k ? INFINITY : NAN;
+        for (int t = 0; t < N_TARGETS; t++) {
+            planish_error error;
+            char name[64];
+            snprintf(name, sizeof name, "wrong%s", targets[t].extension);
+            test_path(path, *state, name);
+            assert_int_equal(planish_file_convert(file, path, x, NULL, &error),
+                             PLANISH_ERROR_ARGUMENT);
+            assert_int_equal(error.node, mesh.n_nodes - 1);
+            assert_null(fopen(path, "rb"));
+        }
+    }
+    planish_file_close(file);
+}
+
 /** The names of all targets are known; the first of a format is found by its extension. */
 static void targets_are_named(void **state) {
     (void)state;
@@ -608,6 +663,8 @@ int main(void) {
         IN_A_FOLDER(negative_solids_are_mirrored),
         IN_A_FOLDER(surfaces_are_converted),
         IN_A_FOLDER(wrong_targets_are_refused),
+        cmocka_unit_test(conversions_are_checked_before),
+        IN_A_FOLDER(coordinates_must_be_finite),
         cmocka_unit_test(targets_are_named),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

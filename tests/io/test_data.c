@@ -259,9 +259,11 @@ static void files_that_change(void **state) {
 static void arguments_are_checked(void **state) {
     (void)state;
     planish_file *file = reading_text(&io_format_vtk, TEXT);
-    planish_data data;
+    double other = 0;
+    planish_data data = {.n = 1, .values = &other};
     planish_data_info info;
     assert_int_equal(planish_file_data(NULL, "h", &data, NULL), PLANISH_ERROR_ARGUMENT);
+    assert_null(data.values);
     assert_int_equal(planish_file_data(file, NULL, &data, NULL), PLANISH_ERROR_ARGUMENT);
     assert_int_equal(planish_file_data(file, "h", NULL, NULL), PLANISH_ERROR_ARGUMENT);
     assert_int_equal(planish_file_data_info(NULL, 0, &info), 0);

@@ -70,6 +70,38 @@ static void each_file_of_the_data_is_recognised_by_its_content(void **state) {
     }
 }
 
+/** The function that rounds gives what a file holds: a float, a double, or a number of few digits. */
+static void numbers_are_rounded_as_they_are_stored(void **state) {
+    (void)state;
+    const double third = 1.0 / 3;
+    int n[3] = {0}, n_changed = 0;
+    for (const test_data_file *data = test_data_files; data->name; data++) {
+        char path[TEST_PATH_SIZE];
+        planish_file *file;
+        planish_file_info info;
+        if (!test_data_path(path, data) || planish_file_open(path, NULL, 1, &file, NULL))
+            continue;
+        planish_file_get_info(file, &info);
+        n[info.precision]++;
+        const double rounded = info.round(third, info.round_user);
+        n_changed += rounded != third; /* Abaqus has room for it */
+        if (info.precision == PLANISH_PRECISION_ROUNDED)
+            assert_true(fabs(rounded - third) <= 1e-6);
+        else
+            assert_true(rounded == third);
+        planish_file_close(file);
+    }
+    assert_true(n[PLANISH_PRECISION_DOUBLE] > 10 && n_changed > 0);
+    planish_file_info info;
+    planish_file *file =
+        reading_text(&io_format_vtk, "# vtk DataFile Version 3.0\n\nASCII\nDATASET "
+                                     "UNSTRUCTURED_GRID\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\n"
+                                     "CELLS 1 4\n3 0 1 2\nCELL_TYPES 1\n5\n");
+    planish_file_get_info(file, &info);
+    assert_true(info.round(third, info.round_user) == (float)third);
+    planish_file_close(file);
+}
+
 /* ---- two bricks in every format of text ------------------------------------------------------ */
 
 /** How a format writes two bricks, see unit_expect_bricks. */
@@ -390,6 +422,7 @@ int main(void) {
         cmocka_unit_test(each_name_is_of_one_format),
         cmocka_unit_test(each_format_has_a_file_in_the_data),
         cmocka_unit_test(each_file_of_the_data_is_recognised_by_its_content),
+        cmocka_unit_test(numbers_are_rounded_as_they_are_stored),
         cmocka_unit_test(bricks_have_regions_groups_and_facets),
         cmocka_unit_test(bricks_are_written),
         cmocka_unit_test(lists_of_all_facets_hold_nothing_inside),

@@ -171,9 +171,12 @@ static void wrong_files(void **state) {
 }
 
 static void arguments_are_checked(void **state) {
-    planish_data data;
+    double other = 0;
+    planish_data data = {.n = 1, .values = &other};
     char path[TEST_PATH_SIZE];
     test_path(path, *state, "none.sol");
+    assert_int_equal(planish_sol_read(path, 7, N, &data, NULL), PLANISH_ERROR_ARGUMENT);
+    assert_null(data.values);
     assert_int_equal(planish_sol_read(path, 3, N, &data, NULL), PLANISH_ERROR_FILE);
     assert_int_equal(planish_sol_read(NULL, 3, N, &data, NULL), PLANISH_ERROR_ARGUMENT);
     assert_int_equal(planish_sol_read(path, 4, N, &data, NULL), PLANISH_ERROR_ARGUMENT);

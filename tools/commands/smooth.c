@@ -48,7 +48,9 @@ static int check_output(const pl_job *job) {
                    ? pl_job_complain(job, PL_EXIT_FAILED, &error)
                    : 0;
     if (planish_file_can_convert(job->file, output))
-        return 0;
+        return planish_file_check_conversion(job->file, output, NULL, &error)
+                   ? pl_complain(PL_EXIT_FAILED, "%s", error.text)
+                   : 0;
     if (strcmp(output, "-") == 0)
         return pl_complain_usage("smooth", "'-' is not a file; standard output is /dev/stdout");
     planish_file_check_output(job->file, output, &error); /* tells the extensions */

@@ -92,6 +92,8 @@ typedef struct io_format {
     void (*release)(io_model *model); /* of model->of_format; NULL: there is none */
     const io_target *targets; /* kinds of files of this format that are written anew, the first by
                                  default; NULL: none is */
+    /** Fail if such a file can hold nothing of the mesh; NULL: it always can hold something. */
+    int (*check_target)(const io_model *model, planish_error *error);
 } io_format;
 
 extern const io_format io_format_gmsh, io_format_medit, io_format_vtk, io_format_vtu,

@@ -31,11 +31,19 @@ const char *planish_file_target(int i) {
     return target ? target->name : NULL;
 }
 
+/** Return whether a converted file, which Medit has as text, may be called path. */
+static int may_be_called(const io_format *format, const char *path) {
+    static const io_model text = {.is_binary = 0};
+    return !format->may_be_called || !io_format_has_extension(format, path) ||
+           format->may_be_called(&text, path);
+}
+
 /** Find the target called name, or (name NULL) that of the extension of path. */
 static const io_target *find_target(const char *path, const char *name, const io_format **format) {
     const io_target *target;
     for (int i = 0; (target = target_at(i, format)); i++)
-        if (name ? strcmp(target->name, name) == 0 : io_format_has_extension(*format, path))
+        if (name ? strcmp(target->name, name) == 0
+                 : io_format_has_extension(*format, path) && may_be_called(*format, path))
             return target;
     return NULL;
 }
@@ -206,6 +214,21 @@ static int convert(planish_file *file, const io_target *target, const char *path
     return status;
 }
 
+int planish_file_check_conversion(const planish_file *file, const char *path, const char *name,
+                                  planish_error *error) {
+    const io_format *format;
+    if (!file || !path)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "file and path must not be NULL");
+    const io_target *target = find_target(path, name, &format);
+    if (!target)
+        return fail_target(path, name, error);
+    if (!may_be_called(format, path))
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "%s: planish converts to text, which has the extension %s", path,
+                       format->extensions[0]);
+    return format->check_target ? format->check_target(&file->model, error) : PLANISH_OK;
+}
+
 int planish_file_convert(planish_file *file, const char *path, const double *coordinates,
                          const planish_convert_options *options, planish_error *error) {
     static const planish_convert_options usual = {.format = NULL};
@@ -220,11 +243,13 @@ int planish_file_convert(planish_file *file, const char *path, const double *coo
     if (!status)
         status = pl_check_reserved("planish_cell_values", options->cells.reserved,
                                    sizeof options->cells.reserved, error);
+    if (!status)
+        status = planish_file_check_conversion(file, path, options->format, error);
+    if (!status)
+        status = io_check_coordinates(&file->model, coordinates, error);
     if (status)
         return status;
     const io_target *target = find_target(path, options->format, &format);
-    if (!target)
-        return fail_target(path, options->format, error);
     const pl_outside outside = pl_call_enter(NULL);
     status = convert(file, target, path, coordinates, options, &losses, error);
     pl_call_leave(&outside);

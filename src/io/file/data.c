@@ -119,9 +119,10 @@ int io_file_read_data(planish_file *file, const char *name, int of_elements, pla
 
 int planish_file_data(planish_file *file, const char *name, planish_data *data,
                       planish_error *error) {
+    if (data)
+        *data = (planish_data){.n = 0};
     if (!file || !name || !data)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "file, name and data must not be NULL");
-    *data = (planish_data){.n = 0};
     const pl_outside outside = pl_call_enter(NULL);
     const io_data *array = NULL;
     int status = find(file, name, &array, error);

@@ -392,9 +392,8 @@ const char *planish_io_version(void) {
 
 /* ---- questions ---------------------------------------------------------------------------- */
 
-static double round_to_field(double value, void *user) {
-    const io_model *model = user;
-    return io_round_to_field(value, model->field_width, model->exponent);
+static double round_as_stored(double value, void *user) {
+    return io_stored(user, value);
 }
 
 /** Return whether the last line of a text has no end. */
@@ -444,7 +443,7 @@ void planish_file_get_info(const planish_file *file, planish_file_info *info) {
     *info =
         (planish_file_info){.format = file->format->name,
                             .precision = is_tilted ? PLANISH_PRECISION_DOUBLE : model->precision,
-                            .round = round_to_field,
+                            .round = round_as_stored,
                             .round_user = (void *)(uintptr_t)model,
                             .n_other_elements = model->n_other + count_held(file),
                             .n_lower_elements = model->n_lower,

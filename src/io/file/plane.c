@@ -39,8 +39,7 @@ void io_plane_project(const io_plane *plane, const double xyz[3], double uv[2]) 
     }
 }
 
-/** Round a value to what the file holds of it. */
-static double store(const io_model *model, double value) {
+double io_stored(const io_model *model, double value) {
     return model->precision == PLANISH_PRECISION_FLOAT ? pl_round_to_float(value)
            : model->precision == PLANISH_PRECISION_ROUNDED
                ? io_round_to_field(value, model->field_width, model->exponent)
@@ -69,11 +68,11 @@ void io_space_coordinates(const io_model *model, int64_t node, const double *at,
     } else { /* on the plane, but for the roundings of the file */
         const double *origin = plane->origin;
         const double dy = at[1] / plane->yv, dx = (at[0] - plane->yu * dy) / plane->xu;
-        const double x = store(model, origin[0] + dx), y = store(model, origin[1] + dy);
+        const double x = io_stored(model, origin[0] + dx), y = io_stored(model, origin[1] + dy);
         const double up = plane->slope[0] * (x - origin[0]) + plane->slope[1] * (y - origin[1]);
         xyz[axis[0]] = x;
         xyz[axis[1]] = y;
-        xyz[axis[2]] = store(model, origin[2] + up);
+        xyz[axis[2]] = io_stored(model, origin[2] + up);
     }
 }
 
@@ -97,6 +96,15 @@ static void place_chunk(void *context, int64_t begin, int64_t end, int thread) {
             xyz[p->model->plane.axis[2]] = p->model->place_across[i];
         memcpy(p->places + written * i, xyz, (size_t)written * sizeof *xyz);
     }
+}
+
+int io_check_coordinates(const io_model *model, const double *coordinates, planish_error *error) {
+    for (int64_t i = 0; i < model->dim * model->n_nodes; i++)
+        if (!(fabs(coordinates[i]) <= DBL_MAX))
+            return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, i / model->dim,
+                              "coordinate %d of node %lld is not finite", (int)(i % model->dim),
+                              (long long)(i / model->dim));
+    return PLANISH_OK;
 }
 
 int io_written_coordinates(const io_model *model, const double *coordinates,

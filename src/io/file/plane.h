@@ -4,6 +4,7 @@
  *   io_plane_keep                                signs of triangles as in the file
  *   io_plane_project, io_space_coordinates       from the file's columns to the plane, and back
  *   io_written_coordinates, io_written_as_read   what a writer takes
+ *   io_stored                                    a coordinate as the file holds it
  *   io_plane_is_xy                               whether these are the same
  */
 #ifndef PL_IO_FILE_PLANE_H
@@ -32,8 +33,14 @@ static inline int io_plane_is_xy(const io_plane *plane) {
 /** Find the coordinates in the plane of a node at xyz. */
 void io_plane_project(const io_plane *plane, const double xyz[3], double uv[2]);
 
+/** Round a coordinate to what the file holds of it. */
+double io_stored(const io_model *model, double value);
+
 /** Find where node is with coordinates at [dim], in the file's columns. */
 void io_space_coordinates(const io_model *model, int64_t node, const double *at, double xyz[3]);
+
+/** Check that all coordinates [n_nodes][dim] are finite. */
+int io_check_coordinates(const io_model *model, const double *coordinates, planish_error *error);
 
 /** Find the coordinates that a writer takes for coordinates [n_nodes][dim] of the mesh: *places
  *  [n_nodes][written], or, of model->place_node where that is given, [n_places][written]. They are

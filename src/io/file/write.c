@@ -16,7 +16,6 @@
 #include "base/status.h"
 #include "base/system.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -261,15 +260,12 @@ int planish_file_write(const planish_file *file, const char *path, const double 
         return status;
     const pl_outside outside = pl_call_enter(NULL);
     const pl_temporaries temporaries = {options->temporary, options->temporary_size};
-    const int dim = file->model.dim, threads = pl_thread_count(options->threads);
+    const int threads = pl_thread_count(options->threads);
     const double *places = NULL;
     double *owned = NULL;
     status = check_name(file, path, error);
-    for (int64_t i = 0; i < dim * file->model.n_nodes && !status; i++)
-        if (!(fabs(coordinates[i]) <= DBL_MAX))
-            status = pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, i / dim,
-                                "coordinate %d of node %lld is not finite", (int)(i % dim),
-                                (long long)(i / dim));
+    if (!status)
+        status = io_check_coordinates(&file->model, coordinates, error);
     if (!status)
         status = io_written_coordinates(&file->model, coordinates, file->model.place_node, threads,
                                         &places, &owned, error);

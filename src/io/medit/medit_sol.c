@@ -156,12 +156,13 @@ static int read_file(io_model *model, int dim, int64_t n_vertices, planish_data 
 
 int planish_sol_read(const char *path, int dim, int64_t n_vertices, planish_data *data,
                      planish_error *error) {
+    if (data)
+        *data = (planish_data){.n = 0};
     if (!path || !data || (dim != 2 && dim != 3) || n_vertices < 0)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "path and data must not be NULL, dim must be 2 or 3, and n_vertices 0 or "
                        "more");
     io_model model = {.threads = 1};
-    *data = (planish_data){.n = 0};
     const pl_outside outside = pl_call_enter(NULL);
     int status = io_bytes_open(path, IO_LARGEST_COPY, &model.input, error);
     if (!status) {

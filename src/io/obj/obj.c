@@ -450,4 +450,5 @@ const io_format io_format_obj = {.name = "obj",
                                  .recognise = obj_recognise,
                                  .read = obj_read,
                                  .field = obj_field,
-                                 .targets = obj_targets};
+                                 .targets = obj_targets,
+                                 .check_target = io_surface_check};

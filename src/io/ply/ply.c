@@ -639,4 +639,5 @@ const io_format io_format_ply = {.name = "ply",
                                  .read = ply_read,
                                  .field = ply_field,
                                  .release = ply_release,
-                                 .targets = ply_targets};
+                                 .targets = ply_targets,
+                                 .check_target = io_surface_check};

@@ -441,4 +441,5 @@ const io_format io_format_stl = {.name = "stl",
                                  .read = stl_read,
                                  .encode = stl_encode,
                                  .release = stl_release,
-                                 .targets = stl_targets};
+                                 .targets = stl_targets,
+                                 .check_target = io_surface_check};

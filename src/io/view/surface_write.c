@@ -60,11 +60,7 @@ static int find_nodes(surface_out *s, planish_error *error) {
     for (int64_t i = 0; i < n; i++)
         if (s->number[i])
             s->number[i] = (int32_t)++s->n_nodes;
-    return s->n_facets > 0 ? PLANISH_OK
-                           : pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                                     "%s: has no triangles or quadrilaterals, which are all that "
-                                     "STL, OBJ and PLY hold; convert to another format",
-                                     s->view->model->input.path);
+    return PLANISH_OK;
 }
 
 /** Put the name of the set of a block: its first group, or its number; in one word. */
@@ -266,6 +262,15 @@ static int obj_write(const io_view *view, pl_output *output, io_losses *losses,
 static int ply_write(const io_view *view, pl_output *output, io_losses *losses,
                      planish_error *error) {
     return write_surface(view, put_ply, 0, output, losses, error);
+}
+
+int io_surface_check(const io_model *model, planish_error *error) {
+    if (io_model_list(model, 2).n + io_model_list(model, IO_FLAT_LIST).n > 0)
+        return PLANISH_OK;
+    return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                   "%s: has no triangles or quadrilaterals, which are all that STL, OBJ and PLY "
+                   "hold; convert to another format",
+                   model->input.path);
 }
 
 const io_target stl_targets[] = {{"stl", stl_write}, {NULL, NULL}};

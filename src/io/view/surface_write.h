@@ -7,4 +7,7 @@
 /** STL, text, in which each set of a group or region is a solid; Wavefront OBJ; PLY, binary. */
 extern const io_target stl_targets[], obj_targets[], ply_targets[];
 
+/** Fail if the mesh has no facets, which alone these formats hold. */
+int io_surface_check(const io_model *model, planish_error *error);
+
 #endif
