@@ -359,7 +359,8 @@ typedef struct planish_slide_info {
  *    node (for example where two parts each have the nodes between them).
  *  - With mesh->cells these become FIXED, too: corners that cells hold, ends of a curved edge of the
  *    surface, and corners of a triangle that such an edge makes curved. An edge is curved if its mid
- *    is off the middle by more than tolerance. Mids keep their constraints.
+ *    is off the middle by more than tolerance. Mids keep their constraints, but FREE ones of facets
+ *    between elements get that of an end, so that they follow and do not move on their own.
  *  - With surface->shape a node that only curved facets or edges hold becomes ON_PATCH or ON_CURVE
  *    instead of FIXED, if it lies on a patch or curve of the shape. Second-order facets and edges
  *    need a shape with mids (planish_shape_info), facets between regions need slide_interfaces.

@@ -329,6 +329,54 @@ static void fix_by_cells(const cell_surface *c, const uint8_t *role) {
                                               : c->is_fixed[i];
 }
 
+/* ---- mids between regions ------------------------------------------------------------------- */
+
+/** Whether two nodes of the surface are of one facet that has elements on both sides. */
+static int are_between(const pl_surface *s, int32_t a, int32_t b) {
+    for (int64_t i = s->offset[a]; i < s->offset[a + 1]; i++) {
+        const int32_t *facet = s->facet + (int64_t)s->facet_of[i] * s->dim;
+        if (s->label[s->facet_of[i]].n_elements < 2)
+            continue;
+        for (int k = 0; k < s->dim; k++)
+            if (facet[k] == b)
+                return 1;
+    }
+    return 0;
+}
+
+/** Give a mid the constraint of an end that slides on a plane or line, or FIXED if none does. */
+static void bind_mid(const decision *d, int32_t mid, const int32_t end[2]) {
+    const int dim = d->surface->dim;
+    const int32_t by = end[d->constraint[end[0]] == PLANISH_CONSTRAINT_FIXED];
+    if (d->constraint[by] == PLANISH_CONSTRAINT_FREE ||
+        d->constraint[by] >= PLANISH_CONSTRAINT_ON_SURFACE)
+        return;
+    d->constraint[mid] = d->constraint[by];
+    memcpy(d->direction + (int64_t)mid * dim, d->direction + (int64_t)by * dim,
+           (size_t)dim * sizeof *d->direction);
+}
+
+/** Bind the mids of edges between regions, which are not to move on their own: nothing else tells the plan
+ *  that they are of the surface. */
+static void bind_mids(const decision *d, const cell_surface *c, const uint8_t *role) {
+    const planish_cells *cells = c->given->cells;
+    const int32_t *number = d->surface->number;
+    for (int64_t i = 0; i < cells->n; i++) {
+        if (!may_have_edge(c, i))
+            continue;
+        const pl_cell_type *type = pl_cell_type_of(cells->type[i]);
+        const int32_t *node = cells->node + cells->offset[i];
+        for (int e = 0; e < type->shape->n_edges; e++) {
+            const int k = type->shape->n_corners + e;
+            const int32_t end[2] = {node[type->between[k][0]], node[type->between[k][1]]};
+            if (node[k] >= 0 && pl_follows(role[node[k]]) && number[end[0]] >= 0 &&
+                number[end[1]] >= 0 && d->constraint[node[k]] == PLANISH_CONSTRAINT_FREE &&
+                are_between(d->surface, number[end[0]], number[end[1]]))
+                bind_mid(d, node[k], end);
+        }
+    }
+}
+
 /* ---- all of it ------------------------------------------------------------------------------ */
 
 int pl_find_slides(const pl_dense *dense, const planish_mesh *given, const planish_surface *tags,
@@ -354,12 +402,11 @@ int pl_find_slides(const pl_dense *dense, const planish_mesh *given, const plani
                                 : list_ridges(&surface, &ridges, error);
     if (!status)
         status = pl_lines_create(&surface, &ridges, tolerance, &lines, error);
-    if (!status && dense->role) {
-        const int goes_on = tags && tags->shape && tags->shape->whole;
-        const uint8_t how = goes_on ? PL_FIXED_UNLESS_CURVED : PL_FIXED_ALWAYS;
-        const cell_surface of_cells = {given, mesh, &surface, tolerance, how, is_fixed};
+    const int goes_on = tags && tags->shape && tags->shape->whole;
+    const uint8_t how = goes_on ? PL_FIXED_UNLESS_CURVED : PL_FIXED_ALWAYS;
+    const cell_surface of_cells = {given, mesh, &surface, tolerance, how, is_fixed};
+    if (!status && dense->role)
         fix_by_cells(&of_cells, dense->role);
-    }
     if (!status) {
         const decision d = {.surface = &surface,
                             .planes = mesh->dim == 3 ? &planes : NULL,
@@ -371,6 +418,8 @@ int pl_find_slides(const pl_dense *dense, const planish_mesh *given, const plani
                             .info = info};
         info->n_surface = surface.n_nodes;
         write_outputs(&d, mesh);
+        if (dense->role)
+            bind_mids(&d, &of_cells, dense->role);
     }
     pl_free(is_fixed);
     pl_free(ridges.ridge);

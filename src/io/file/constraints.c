@@ -283,8 +283,8 @@ static int hold_unchosen(const io_model *model, const planish_hold *hold, uint8_
     return status;
 }
 
-/** Hold the corners of elements of different regions, unless regions are to be ignored: mids between
- *  held corners stay. */
+/** Hold the nodes of elements of different regions, unless regions are to be ignored: also mids, which may
+ *  move on their own elsewhere. */
 static int hold_interfaces(const planish_file *file, const planish_hold *hold, uint8_t bit,
                            uint8_t *flags, planish_error *error) {
     const io_model *model = &file->model;
@@ -302,9 +302,8 @@ static int hold_interfaces(const planish_file *file, const planish_hold *hold, u
         const io_list list = io_model_list(model, lists[k]);
         for (int64_t i = 0; i < list.n; i++) {
             int32_t node[IO_CELL_NODES], here = of_cell[element++];
-            int corners;
-            io_list_nodes(&list, i, node, &corners);
-            for (int j = 0; j < corners; j++) {
+            const int n = io_list_nodes(&list, i, node, NULL);
+            for (int j = 0; j < n; j++) {
                 if (region[node[j]] < 0)
                     region[node[j]] = here;
                 else if (region[node[j]] != here)
