@@ -268,6 +268,37 @@ static int may_slide(const pl_run *r) {
            !(r->sums.inverted > 0);
 }
 
+/** Nodes that stay. */
+typedef struct staying {
+    const pl_run *run;
+    uint8_t *stays; /* [n_nodes] by inner numbers */
+} staying;
+
+static void mark_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    const staying *s = context;
+    const pl_run *r = s->run;
+    double *scratch = pl_star_scratch_of(&r->problem, thread);
+    for (int64_t i = begin; i < end; i++) {
+        pl_star_value value;
+        pl_star_ratio_of(r->plan->kernel, &r->problem, r->plan->dim)(&r->problem, i, scratch, 1,
+                                                                     &value);
+        s->stays[r->plan->interior.centre[i]] = !value.certain;
+    }
+}
+
+/** Mark the nodes whose stars are not surely valid, if there are any. No element is then repaired at the
+ *  cost of a valid one: those that are inverted stay. Return 0 if there is no memory. */
+static int mark_invalid(const pl_run *r, uint8_t **stays) {
+    staying s = {r, NULL};
+    *stays = NULL;
+    if (!(r->sums.inverted > 0))
+        return 1;
+    *stays = s.stays = pl_alloc_zero(r->plan->work.n_nodes, 1);
+    if (s.stays)
+        pl_parallel_for(r->plan->threads, r->plan->interior.stars.n_stars, CHUNK, mark_chunk, &s);
+    return s.stays != NULL;
+}
+
 int pl_run_coarse(pl_run *r) {
     const planish_plan *plan = r->plan;
     const int64_t n = (plan->interior.stars.n_stars + plan->sliding.stars.n_stars) * plan->dim;
@@ -286,11 +317,13 @@ int pl_run_coarse(pl_run *r) {
                       .rr2 = fmax(r->problem.limits.rr2, worst.rr2),
                       .acuteness = fmax(r->problem.limits.acuteness, worst.acuteness),
                       .cell_ratio = plan->work.corner ? r->sums.radius_max : INFINITY};
-    const int ready = c.force && c.move && c.start;
+    uint8_t *stays;
+    const int ready = mark_invalid(r, &stays) && c.force && c.move && c.start;
     if (!pl_parts_any(!ready) && ready &&
-        pl_lattice_create(plan, SPACING, plan->dim == 3 ? ONE_IN : 1, slides, &c.lattice))
+        pl_lattice_create(plan, SPACING, plan->dim == 3 ? ONE_IN : 1, slides, stays, &c.lattice))
         stopped = make_steps(&c);
     pl_lattice_destroy(&c.lattice);
+    pl_free(stays);
     pl_free(c.force);
     pl_free(c.move);
     pl_free(c.start);

@@ -336,15 +336,15 @@ static int allocate(pl_lattice *l, int slides) {
 }
 
 /** Set where nodes may go, in all processes. */
-static void find_freedom(pl_lattice *l, int slides) {
+static void find_freedom(pl_lattice *l, int slides, const uint8_t *stays) {
     const planish_plan *plan = l->plan;
     const size_t size = (size_t)plan->dim * sizeof(double);
     for (int64_t i = 0; i < plan->work.n_nodes; i++)
         l->freedom[plan->inner[i]] =
-            plan->work.mobility[i] == PL_INTERIOR ? PL_LATTICE_FREE : PL_LATTICE_HELD;
-    if (!slides)
-        return;
-    for (int64_t s = 0; s < plan->sliding.stars.n_stars; s++) {
+            plan->work.mobility[i] == PL_INTERIOR && !(stays && stays[plan->inner[i]])
+                ? PL_LATTICE_FREE
+                : PL_LATTICE_HELD;
+    for (int64_t s = 0; slides && s < plan->sliding.stars.n_stars; s++) {
         const int64_t node = plan->sliding.centre[s];
         if (plan->slides_by[s] != PLANISH_CONSTRAINT_ON_PLANE &&
             plan->slides_by[s] != PLANISH_CONSTRAINT_ON_LINE)
@@ -353,11 +353,12 @@ static void find_freedom(pl_lattice *l, int slides) {
         memcpy(l->direction + node * plan->dim, plan->slide[s].direction, size);
     }
     pl_ghosts_update(plan, l->freedom, sizeof *l->freedom);
-    pl_ghosts_update(plan, l->direction, (int64_t)size);
+    if (slides)
+        pl_ghosts_update(plan, l->direction, (int64_t)size);
 }
 
 int pl_lattice_create(const planish_plan *plan, double spacing, int one_in, int slides,
-                      pl_lattice *l) {
+                      const uint8_t *stays, pl_lattice *l) {
     const pl_visits *interior = &plan->interior, *sliding = &plan->sliding;
     *l = (pl_lattice){.plan = plan,
                       .one_in = one_in,
@@ -371,7 +372,7 @@ int pl_lattice_create(const planish_plan *plan, double spacing, int one_in, int 
     ready = !pl_parts_any(!ready) && ready; /* if the others are not reached, too */
     if (ready) {
         element_pass pass = {.l = l, .largest = largest, .simplex_of = l->corner};
-        find_freedom(l, slides);
+        find_freedom(l, slides, stays);
         pl_parallel_for(plan->threads, plan->work.n_elements, CHUNK, largest_chunk, &pass);
         find_largest_of_parts(largest, l->grid[0].n_vertices);
         for (int i = 0; i < l->n_levels; i++)

@@ -83,10 +83,11 @@ typedef struct pl_lattice {
 
 /** Make grids for the mesh as it is, spacing times as wide as edges are long. One in so many of the
  *  elements with a free node, but none that slides, stands for all in the Hessian. slides: nodes on planes
- *  and lines move, too, and follow no others. Returns 0 in all processes if one lacks
+ *  and lines move, too, and follow no others. stays [nodes of the plan], by inner numbers: 1: the node is
+ *  held; NULL: none is. Returns 0 in all processes if one lacks
  *  memory, or if the mesh has no extent; destroy the lattice in any case. */
 int pl_lattice_create(const planish_plan *plan, double spacing, int one_in, int slides,
-                      pl_lattice *lattice);
+                      const uint8_t *stays, pl_lattice *lattice);
 
 /** Return the node of a star: of the interior's stars, then of those that slide, if these move. */
 static inline int32_t pl_lattice_node(const pl_lattice *lattice, int64_t star) {

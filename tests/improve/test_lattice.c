@@ -67,7 +67,7 @@ static void free_slides(setting *s) {
 static void begin(setting *s, planish_isa isa, int threads, int one_in) {
     plan_mesh(s, isa, threads);
     assert_int_equal(
-        pl_lattice_create(s->plan, SPACING, one_in, s->constraint != NULL, &s->lattice), 1);
+        pl_lattice_create(s->plan, SPACING, one_in, s->constraint != NULL, NULL, &s->lattice), 1);
     pl_lattice_sort(&s->lattice);
     pl_lattice_assemble(&s->lattice);
 }
@@ -682,7 +682,7 @@ static void without_memory_there_is_no_lattice(void **state) {
     plan_mesh(&s, PLANISH_ISA_AUTO, 1);
     while (!ready) {
         allocations_fail_one(n_failed);
-        ready = pl_lattice_create(s.plan, SPACING, 1, 1, &s.lattice);
+        ready = pl_lattice_create(s.plan, SPACING, 1, 1, NULL, &s.lattice);
         assert_int_equal(!ready, allocations_failed());
         n_failed += !ready;
         pl_lattice_destroy(&s.lattice);

@@ -163,6 +163,53 @@ static void a_lattice_helps_early(void **state) {
     test_mesh_destroy(&mesh);
 }
 
+/** Throw a node over the middle of its neighbours in the first element that has it, some nodes apart. */
+static void throw_nodes(test_mesh *mesh, int64_t apart) {
+    const int dim = mesh->mesh.dim;
+    for (int64_t i = apart; i < mesh->mesh.n_elements; i += apart) {
+        const int32_t *node = mesh->elements + i * (dim + 1);
+        for (int d = 0; d < dim; d++) {
+            double middle = 0;
+            for (int j = 1; j <= dim; j++)
+                middle += mesh->coordinates[node[j] * dim + d] / dim;
+            double *x = &mesh->coordinates[node[0] * dim + d];
+            *x = middle + 0.1 * (middle - *x);
+        }
+    }
+}
+
+/** Without untangling inverted elements stay as they are: steps on the lattice move none of their nodes, so that
+ *  none is repaired at the cost of another one. */
+static void a_lattice_leaves_inverted_elements(void **state) {
+    const int dim = dim_of(help_of(state));
+    test_mesh mesh;
+    smoothed s;
+    int told = 0;
+    int64_t n_inverted = 0;
+    planish_options options = test_options(1);
+    options.untangle = 0;
+    options.log = note_steps;
+    options.log_user = &told;
+    squeezed_box(&mesh, help_of(state));
+    throw_nodes(&mesh, mesh.mesh.n_elements / 7);
+    smooth(&mesh.mesh, &options, &s);
+    assert_true(told > 0 && s.after.rms_radius_ratio < s.before.rms_radius_ratio);
+    for (int64_t i = 0; i < mesh.mesh.n_elements; i++) {
+        const int32_t *node = mesh.elements + i * (dim + 1);
+        if (test_measure_of(&mesh.mesh, mesh.coordinates, i) > 0)
+            continue;
+        n_inverted++;
+        for (int j = 0; j <= dim; j++)
+            assert_memory_equal(s.coordinates + node[j] * dim, mesh.coordinates + node[j] * dim,
+                                (size_t)dim * sizeof(double));
+    }
+    assert_int_equal(n_inverted, s.before.n_inverted);
+    assert_int_equal(n_inverted, s.after.n_inverted);
+    assert_true(n_inverted > 0);
+    free(s.coordinates);
+    test_mesh_destroy(&mesh);
+}
+
 /** Smooth a mesh; returns how often the log told of Newton's steps, and the sweeps in *sweeps. */
 static int count_steps(const planish_mesh *mesh, int *sweeps) {
     smoothed s;
@@ -657,6 +704,7 @@ static void without_memory_there_is_no_help(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         WITH_LATTICE(a_lattice_helps_early),
+        WITH_LATTICE(a_lattice_leaves_inverted_elements),
         WITH_LATTICE(rough_meshes_see_no_lattice),
         cmocka_unit_test(repaired_elements_call_no_lattice),
         cmocka_unit_test_prestate(few_nodes_see_no_lattice, &centring),
