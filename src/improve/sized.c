@@ -55,6 +55,7 @@ static void measure_anew(sized *s) {
  *  beside F. */
 static int is_sound(const sized *s) {
     return s->run->sums.inverted <= s->trial.standing.inverted &&
+           s->run->sums.below <= s->trial.standing.below &&
            s->run->sums.radius_max <= s->run->worst_at_start &&
            s->run->sums.corner_max <= s->run->limits_at_start.rr2;
 }
@@ -138,14 +139,19 @@ static void admit(const sized *s) {
     pl_follow(plan, problem);
 }
 
-/** Go where the steps lead, if F is lower there than before the last one; the mesh is measured. Not with inverted
- *  elements: they are only counted, and one could become valid while another one becomes inverted. */
+/** Whether no element is inverted or below its minimum volume: they are only counted, and one could be repaired
+ *  at the cost of another one. */
+static int may_mix(const sized *s) {
+    return s->trial.standing.inverted == 0 && s->trial.standing.below == 0;
+}
+
+/** Go where the steps lead, if F is lower there than before the last one; the mesh is measured. */
 static void mix(sized *s) {
     double *x = s->run->plan->scratch.coordinates;
     const size_t bytes = (size_t)s->n * sizeof *x;
     const double before = s->latest;
     memcpy(s->swept, x, bytes);
-    if (s->trial.standing.inverted == 0 && pl_mixing_mix(&s->mixing, s->from, x)) {
+    if (may_mix(s) && pl_mixing_mix(&s->mixing, s->from, x)) {
         admit(s);
         measure_anew(s);
         if (is_sound(s) && s->latest < before)

@@ -267,6 +267,44 @@ static void simplices_are_as_cells(void **state) {
     test_mesh_destroy(&t);
 }
 
+/** Sizes that ask for small elements where none may be smaller: none falls below its minimum volume, however early
+ *  the run ends. */
+static void minimum_volumes_are_kept(void **state) {
+    (void)state;
+    enum { CELLS = 16, FIRST_SEED = 155, LAST_SEED = 160, MOST_SWEEPS = 8 };
+    for (unsigned seed = FIRST_SEED; seed <= LAST_SEED; seed++) {
+        test_mesh t;
+        test_mesh_box(&t, 2, CELLS);
+        planish_mesh mesh = t.mesh;
+        unsigned random = seed;
+        for (int64_t i = 0; i < mesh.n_nodes; i++)
+            for (int d = 0; d < 2 && test_is_inside_box(mesh.coordinates + 2 * i, 2, CELLS); d++)
+                t.coordinates[2 * i + d] += 0.5 * (test_random(&random) - 0.5);
+        const size_t bytes = (size_t)(mesh.n_nodes * 2) * sizeof(double);
+        double *size = malloc((size_t)mesh.n_nodes * sizeof *size), *x = malloc(bytes);
+        double *least = malloc((size_t)mesh.n_elements * sizeof *least);
+        assert_true(size && least && x);
+        for (int64_t i = 0; i < mesh.n_nodes; i++)
+            size[i] =
+                0.3 + 3 * fabs(t.coordinates[2 * i] / CELLS - 0.5 + 0.1 * test_random(&random));
+        for (int64_t i = 0; i < mesh.n_elements; i++)
+            least[i] = 0.99 * test_measure_of(&mesh, t.coordinates, i);
+        mesh.size = size;
+        mesh.min_volume = least;
+        for (int sweeps = 3; sweeps <= MOST_SWEEPS; sweeps++) {
+            planish_options options = defaults();
+            options.max_sweeps = sweeps;
+            options.size_weight = 0.7;
+            memcpy(x, t.coordinates, bytes);
+            assert_int_equal(test_smooth_in_place(&mesh, x, &options).n_below_min_volume, 0);
+        }
+        free(size);
+        free(least);
+        free(x);
+        test_mesh_destroy(&t);
+    }
+}
+
 /** A flat element has no size: its nodes have that of others. */
 static void flat_elements_have_no_size(void **state) {
     (void)state;
@@ -331,6 +369,7 @@ int main(void) {
         cmocka_unit_test(a_plan_remembers_nothing),
         cmocka_unit_test(own_sizes_stay),
         cmocka_unit_test(one_size_makes_a_regular_mesh),
+        cmocka_unit_test(minimum_volumes_are_kept),
         cmocka_unit_test(flat_elements_have_no_size),
         cmocka_unit_test(simplices_are_as_cells),
         cmocka_unit_test(wrong_sizes_are_refused),
