@@ -46,7 +46,8 @@ static int run_once(pl_surface_run *r, planish_error *error) {
     int status = pl_surface_run_begin(r, error);
     if (!status)
         status = pl_surface_sweeps(r, error);
-    if (!status && r->stop == PLANISH_STOP_CONVERGED && r->options->worst != PLANISH_WORST_NONE)
+    if (!status && r->options->worst != PLANISH_WORST_NONE &&
+        (r->stop == PLANISH_STOP_CONVERGED || r->stop == PLANISH_STOP_MAX_SWEEPS))
         status = pl_surface_improve_worst(r, error);
     return status;
 }

@@ -121,6 +121,13 @@ void pl_surface_find_moves(const planish_mesh *mesh, const planish_shape *shape,
     hold_mids(mesh, shape, moves);
 }
 
+/** Whether an element, a facet or both halves of a quadrilateral from there on, has a chosen node. */
+static int has_chosen(const planish_shape *s, int64_t first, const uint8_t *chosen) {
+    const int32_t *a = s->facet[first], *b = s->facet[first + (s->half && s->half[first] == 1)];
+    return chosen[a[0]] || chosen[a[1]] || chosen[a[2]] || chosen[b[0]] || chosen[b[1]] ||
+           chosen[b[2]];
+}
+
 /** Let only the nodes of elements above a ratio move, and of rings around these. Errors: _MEMORY. */
 static int choose_bad(pl_surface_run *r, planish_error *error) {
     const planish_shape *s = r->shape;
@@ -132,7 +139,7 @@ static int choose_bad(pl_surface_run *r, planish_error *error) {
         for (int64_t f = 0; f < s->n_facets; f++) {
             const int64_t first = s->half && s->half[f] == 2 ? f - 1 : f;
             const int32_t *v = s->facet[f];
-            if (ring > 0 ? chosen[v[0]] || chosen[v[1]] || chosen[v[2]] : r->ratio[first] > most)
+            if (ring > 0 ? has_chosen(s, first, chosen) : r->ratio[first] > most)
                 next[v[0]] = next[v[1]] = next[v[2]] = 1;
         }
         memcpy(chosen, next, (size_t)s->n_nodes);

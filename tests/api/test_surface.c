@@ -323,7 +323,38 @@ static void test_worst(void **unused) {
         assert_true(fabs((i == 0 ? now.ratio : now.angle * 180 / 3.14159265358979323846) -
                          r.worst_after) < 1e-6);
     }
+    /* max_sweeps does not count its rounds, and they come all the same. */
+    memcpy(p.x, p.given, sizeof p.x);
+    p.options.max_sweeps = 2;
+    const planish_result early = smooth(&p);
+    assert_int_equal(early.stop, PLANISH_STOP_MAX_SWEEPS);
+    assert_true(early.worst_sweeps > 0 && early.worst_after > early.worst_before);
     destroy(&p);
+}
+
+/** A ring is of elements: all four corners of a quadrilateral are in it, however it is cut. */
+static void test_rings(void **unused) {
+    enum { U = 6, V = 7 };
+    static patchwork p;
+    (void)unused;
+    for (int rings = 0; rings < 3; rings++) {
+        make(&p, PLANE, 1, 0);
+        double *x = p.x[U * ACROSS + V];
+        x[0] += 0.4;
+        x[1] += 0.6 * 0.3;
+        x[2] += 0.8 * 0.3;
+        memcpy(p.given, p.x, sizeof p.x);
+        p.options.only_worse_than = 1.01;
+        p.options.rings = rings;
+        smooth(&p);
+        for (int i = 0; i < NODES; i++) {
+            const int u = abs(i / ACROSS - U), v = abs(i % ACROSS - V), last = rings + 1;
+            const int moves = memcmp(p.x[i], p.given[i], sizeof p.x[i]) != 0;
+            assert_true(!moves || (u <= last && v <= last));
+            assert_true(moves || u != last || v != last);
+        }
+        destroy(&p);
+    }
 }
 
 /** Fixed nodes, bounds and ways are kept; only nodes of bad elements move if so asked. */
@@ -726,6 +757,7 @@ static void test_memory(void **unused) {
             assert_memory_equal(p.x, p.given, sizeof p.x);
     }
     assert_true(n > 20);
+    memcpy(p.x, p.given, sizeof p.x);
     n = 0;
     for (int status = PLANISH_ERROR_MEMORY; status; n++) {
         static uint8_t held[NODES];
@@ -830,6 +862,7 @@ int main(void) {
         cmocka_unit_test(test_plane),
         cmocka_unit_test(test_same_bits),
         cmocka_unit_test(test_worst),
+        cmocka_unit_test(test_rings),
         cmocka_unit_test(test_colours),
         cmocka_unit_test(test_limits),
         cmocka_unit_test(test_stops),
