@@ -105,7 +105,7 @@ static int find_groups(group_finder *f, planish_error *error) {
         f->of[g] = NONE;
         if (!has_name(group) || (f->is_first && f->named[of_number] != g))
             continue;
-        int32_t *own = &made[N_DIMS * first[g] + group->dim];
+        int32_t *own = &made[N_DIMS * (int64_t)first[g] + group->dim];
         if (*own < 0 && (*own = add_group(f, group->dim, group->name)) < 0)
             status = pl_fail_memory(error, "groups");
         f->of[g] = *own;
