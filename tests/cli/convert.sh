@@ -143,4 +143,65 @@ a, b = meshio.read('view.vtk'), meshio.read('again.msh')
 count = lambda m: sum(len(c.data) for c in m.cells if c.type == 'tetra')
 assert len(a.points) == len(b.points) and count(a) == count(b) > 0" || fail "gmsh reads view.vtk"
 fi
+
+# Gmsh and meshio have each group by its name, with as many elements as planish counts in the input.
+"$python" - "$program" "$data" <<'END' || fail "groups in files of Gmsh's"
+import contextlib
+import io
+import os
+import re
+import subprocess
+import sys
+
+import meshio
+
+try:
+    import gmsh
+except ImportError:
+    sys.exit(0)
+program, data = sys.argv[1:]
+words = {1: "lines", 2: "faces", 3: "solids"}
+gmsh.initialize()
+gmsh.option.setNumber("General.Terminal", 0)
+with open("g.obj", "w") as file:
+    file.write("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 1\ng wall all\nf 1 2 3\ng inlet all\nf 1 3 4\n")
+
+
+def run(*arguments):
+    result = subprocess.run([program, *arguments], capture_output=True, text=True)
+    return None if result.returncode else result.stdout
+
+
+def told(path):
+    """Groups of elements that have some, by their words and names, as `planish groups` tells them."""
+    rows = re.findall(r"^(lines|faces|solids) +([1-9]\d*)  (.*)$", run("groups", path), re.M)
+    return {(word, name): int(n) for word, n, name in rows}
+
+
+for name in "cube.cgns", "cube.h5", "openfoam", "abaqus.inp", "g.obj", "netgen.vol", "cube.exo":
+    path = name if os.path.exists(name) else os.path.join(data, name)
+    if run("groups", path) is None:
+        continue  # this planish has no HDF5
+    expected = told(path)
+    assert run("convert", path, "-o", "groups.msh", "-q") is not None
+    gmsh.open("groups.msh")
+    found = {}
+    for dim, tag in gmsh.model.getPhysicalGroups():
+        key = words[dim], gmsh.model.getPhysicalName(dim, tag)
+        assert key not in found, (name, key)
+        found[key] = sum(len(numbers) for entity in gmsh.model.getEntitiesForPhysicalGroup(dim, tag)
+                         for numbers in gmsh.model.mesh.getElements(dim, entity)[1])
+    assert found == expected, (name, found, expected)
+    assert told("groups.msh") == expected, name
+    with contextlib.redirect_stdout(io.StringIO()):
+        fields = meshio.read("groups.msh").field_data
+    assert {(words[dim], key) for key, (_, dim) in fields.items()} == set(expected), (name, fields)
+    assert run("convert", path, "-o", "groups.msh", "--to", "gmsh22", "-q") is not None
+    with contextlib.redirect_stdout(io.StringIO()):
+        fields = meshio.read("groups.msh").field_data
+    assert {(words[dim], key) for key, (_, dim) in fields.items()} == set(expected), (name, fields)
+    gmsh.open("groups.msh")
+    for dim, tag in gmsh.model.getPhysicalGroups():
+        assert (words[dim], gmsh.model.getPhysicalName(dim, tag)) in expected, (name, dim, tag)
+END
 finish

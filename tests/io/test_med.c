@@ -1,4 +1,5 @@
 /* MED: what is read, held and refused, families and groups. */
+#include "support/converting.h"
 #include "support/files.h"
 #include "support/rewriting.h"
 #include "support/hdf5_builder.h"
@@ -233,6 +234,21 @@ static void groups_have_names(void **state) {
     planish_file_close(file);
 }
 
+/** Groups of elements are in Gmsh's files, though numbers of families are negative. */
+static void groups_are_converted(void **state) {
+    char path[TEST_PATH_SIZE], lost[512];
+    file_builder b = make(&right);
+    planish_file *file = converting_open_built(*state, "part.med", &b);
+    planish_file_close(converting_to(*state, file, "gmsh", ".msh", lost));
+    char *text = test_read(test_path(path, *state, "out-gmsh.msh"), NULL);
+    assert_non_null(strstr(text, "$PhysicalNames\n4\n3 1 \"all\"\n3 2 \"lower\"\n3 3 \"upper\"\n"
+                                 "2 4 \"face\"\n$EndPhysicalNames\n"));
+    assert_non_null(strstr(lost, "groups of nodes"));
+    assert_null(strstr(lost, "numbers of groups"));
+    free(text);
+    planish_file_close(file);
+}
+
 /* ---- what is refused ----------------------------------------------------------------------- */
 
 static void refuse(mesh m, const char *part) {
@@ -301,6 +317,8 @@ int main(void) {
         cmocka_unit_test(a_plane_is_read),
         cmocka_unit_test(other_elements_hold_their_nodes),
         cmocka_unit_test(groups_have_names),
+        cmocka_unit_test_setup_teardown(groups_are_converted, test_folder_create,
+                                        test_folder_remove),
         cmocka_unit_test(wrong_files_are_refused),
         cmocka_unit_test(nothing_breaks_it),
         cmocka_unit_test_setup_teardown(coordinates_come_back, test_folder_create,

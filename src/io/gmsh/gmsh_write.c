@@ -1,11 +1,11 @@
 /* gmsh_write: a mesh as a file of Gmsh's, of version 4.1 or 2.2, text.
  *
- * Cells of one entity of the model and of one region are an entity of Gmsh's. Named groups are
- * physical groups.
+ * Cells of one entity of the model and of one region are an entity of Gmsh's.
  */
 #include "io/gmsh/gmsh_write.h"
 
 #include "io/gmsh/gmsh_reader.h"
+#include "io/gmsh/gmsh_write_groups.h"
 #include "io/view/view_blocks.h"
 #include "io/view/writer.h"
 
@@ -15,6 +15,7 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 static const io_view_type types[] = {{PLANISH_CELL_LINE, "", 1},
                                      {PLANISH_CELL_TRIANGLE, "", 2},
@@ -48,6 +49,7 @@ typedef struct gmsh_out {
     const io_view *view;
     io_writer writer;
     io_view_blocks blocks;
+    gmsh_groups groups;
     out_entity *entity; /* [n_entities] owned, by dimension, solids first */
     int64_t n_entities, capacity;
     int is_float;
@@ -79,20 +81,57 @@ static void find_box(const gmsh_out *g, out_entity *e) {
         }
 }
 
-/** Number the entities of each dimension, if the model's tags are not positive and distinct. */
-static void number_entities(gmsh_out *g) {
-    for (int64_t first = 0, end; first < g->n_entities; first = end) {
-        int is_good = 1;
-        for (end = first; end < g->n_entities && g->entity[end].dim == g->entity[first].dim; end++)
-            is_good &= g->entity[end].tag > 0 &&
-                       (end == first || g->entity[end].tag > g->entity[end - 1].tag);
-        for (int64_t i = first; i < end && !is_good; i++)
-            g->entity[i].tag = i - first + 1;
+/** Number of an entity in the file. */
+typedef struct old_number {
+    int64_t tag, at;
+} old_number;
+
+static int compare_numbers(const void *a, const void *b) {
+    const old_number *x = a, *y = b;
+    if (x->tag != y->tag)
+        return x->tag < y->tag ? -1 : 1;
+    return (x->at > y->at) - (x->at < y->at);
+}
+
+/** Find the numbers [n] of entities of one dimension: the file's where they are positive, of several
+ *  that are equal the first; or else free ones. */
+static int find_numbers(const out_entity *entity, int64_t n, int64_t *number,
+                        planish_error *error) {
+    old_number *old = pl_alloc(n, sizeof *old);
+    if (!old)
+        return pl_fail_memory(error, "numbers of entities");
+    for (int64_t i = 0; i < n; i++)
+        old[i] = (old_number){entity[i].tag, i};
+    qsort(old, (size_t)n, sizeof *old, compare_numbers);
+    for (int64_t i = 0; i < n; i++) {
+        const int is_kept = old[i].tag > 0 && (i == 0 || old[i].tag != old[i - 1].tag);
+        number[old[i].at] = is_kept ? old[i].tag : 0;
     }
+    pl_free(old);
+    return gmsh_fill_numbers(number, n, error);
+}
+
+/** Number the entities of each dimension, and note whether numbers that the user may know change. */
+static int number_entities(gmsh_out *g, io_losses *losses, planish_error *error) {
+    int64_t *number = pl_alloc(g->n_entities, sizeof *number);
+    int is_changed = 0, status = number ? PLANISH_OK : pl_fail_memory(error, "numbers of entities");
+    for (int64_t first = 0, end; first < g->n_entities && !status; first = end) {
+        for (end = first; end < g->n_entities && g->entity[end].dim == g->entity[first].dim;)
+            end++;
+        status = find_numbers(g->entity + first, end - first, number + first, error);
+    }
+    for (int64_t i = 0; i < g->n_entities && !status; i++) {
+        is_changed |= g->entity[i].tag != 0 && g->entity[i].tag != number[i];
+        g->entity[i].tag = number[i];
+    }
+    pl_free(number);
+    if (is_changed && !g->view->model->groups_by_name)
+        io_losses_add(losses, "numbers of regions");
+    return status;
 }
 
 /** Find the entities: sets of blocks. */
-static int find_entities(gmsh_out *g, planish_error *error) {
+static int find_entities(gmsh_out *g, io_losses *losses, planish_error *error) {
     for (int64_t b = 0; b < g->blocks.n; b++) {
         const io_view_block *block = &g->blocks.block[b];
         const out_entity e = {.dim = block->dim, .tag = block->region, .first = b};
@@ -100,55 +139,34 @@ static int find_entities(gmsh_out *g, planish_error *error) {
             return pl_fail_memory(error, "entities");
         g->entity[g->n_entities - 1].last = b;
     }
-    number_entities(g);
-    return PLANISH_OK;
+    return number_entities(g, losses, error);
 }
 
 /* ---- groups -------------------------------------------------------------------------------- */
 
-/** Find the next physical group of an entity, from number *k, 0 and up, on: its tag, or 0 behind the
- *  last. Groups that the file names by the tags of entities are physical ones, too. */
-static int64_t next_physical(const io_view *view, int32_t entity, int *k) {
-    const io_entity *e = entity >= 0 ? &view->model->entity[entity] : NULL;
-    for (; e && *k < e->n_physical; ++*k)
-        if (e->physical[*k] > 0)
-            return e->physical[(*k)++];
-    const int is_own = e && *k == e->n_physical && io_view_group_at(view, entity, *k) >= 0;
-    ++*k;
-    return is_own && e->tag > 0 ? e->tag : 0;
+/** Put a name between quotes. */
+static void put_name(gmsh_out *g, const char *name) {
+    io_put_text(&g->writer, "\"");
+    for (const char *c = name; *c; c++)
+        io_put_bytes(&g->writer, *c == '"' || (unsigned char)*c < ' ' ? "_" : c, 1);
+    io_put_text(&g->writer, "\"\n");
 }
 
 static void put_names(gmsh_out *g) {
-    const io_model *model = g->view->model;
-    int n = 0;
-    for (int32_t i = 0; i < model->n_groups; i++)
-        n += model->group[i].tag > 0 && model->group[i].dim > 0;
+    const gmsh_groups *groups = &g->groups;
+    int64_t n = 0;
+    for (int64_t i = 0; i < groups->n; i++)
+        n += groups->group[i].name && groups->number[i] > 0;
     if (n == 0)
         return;
-    io_put_format(&g->writer, "$PhysicalNames\n%d\n", n);
-    for (int32_t i = 0; i < model->n_groups; i++) {
-        const io_group *group = &model->group[i];
-        if (group->tag <= 0 || group->dim == 0)
+    io_put_format(&g->writer, "$PhysicalNames\n%" PRId64 "\n", n);
+    for (int64_t i = 0; i < groups->n; i++) {
+        if (!groups->group[i].name || groups->number[i] < 0)
             continue;
-        io_put_format(&g->writer, "%d %ld \"", group->dim, (long)group->tag);
-        for (const char *c = group->name; *c; c++)
-            io_put_bytes(&g->writer, *c == '"' || (unsigned char)*c < ' ' ? "_" : c, 1);
-        io_put_text(&g->writer, "\"\n");
+        io_put_format(&g->writer, "%d %" PRId64 " ", groups->group[i].dim, groups->number[i]);
+        put_name(g, groups->group[i].name);
     }
     io_put_text(&g->writer, "$EndPhysicalNames\n");
-}
-
-static void lose_groups(const io_view *view, io_losses *losses) {
-    const io_model *model = view->model;
-    int n = 0, n_bad = 0;
-    for (int32_t i = 0; i < model->n_groups; i++) {
-        n += model->group[i].dim == 0;
-        n_bad += model->group[i].dim > 0 && model->group[i].tag <= 0;
-    }
-    if (n > 0)
-        io_losses_add(losses, "groups of nodes");
-    if (n_bad > 0)
-        io_losses_add(losses, "names of groups whose numbers are not positive");
 }
 
 /* ---- nodes and elements -------------------------------------------------------------------- */
@@ -193,17 +211,14 @@ static void find_range(const io_view *view, int of_cells, int64_t range[2]) {
 
 static void put_entity(gmsh_out *g, out_entity *e) {
     const int32_t entity = g->blocks.block[e->first].entity;
-    int n = 0, at = 0;
-    int64_t tag;
+    const int64_t n = gmsh_groups_count(&g->groups, entity);
     find_box(g, e);
     io_put_integer(&g->writer, 0, e->tag);
     for (int k = 0; k < 6; k++)
         io_put_real(&g->writer, ' ', k < 3 ? e->low[k] : e->high[k - 3], 0);
-    while (next_physical(g->view, entity, &at))
-        n++;
     io_put_integer(&g->writer, ' ', n);
-    for (at = 0; (tag = next_physical(g->view, entity, &at));)
-        io_put_integer(&g->writer, ' ', tag);
+    for (int64_t k = 0; k < n; k++)
+        io_put_integer(&g->writer, ' ', gmsh_groups_number(&g->groups, entity, k));
     io_put_text(&g->writer, " 0\n");
 }
 
@@ -274,9 +289,8 @@ static void put_elements22(gmsh_out *g) {
             const io_view_block *block = &g->blocks.block[b];
             const io_view_type *type = io_view_find_type(types, block->type);
             char between[64];
-            int k = 0;
             snprintf(between, sizeof between, " %d 2 %" PRId64 " %" PRId64, type->number,
-                     next_physical(g->view, block->entity, &k), g->entity[e].tag);
+                     gmsh_groups_number(&g->groups, block->entity, 0), g->entity[e].tag);
             for (int64_t i = 0; i < block->n; i++)
                 put_cell(g, block->cell[i], type, between);
         }
@@ -285,12 +299,8 @@ static void put_elements22(gmsh_out *g) {
 
 static void lose_groups22(const gmsh_out *g, io_losses *losses) {
     int several = 0;
-    for (int64_t b = 0; b < g->blocks.n; b++) {
-        const int32_t entity = g->blocks.block[b].entity;
-        int k = 0;
-        if (next_physical(g->view, entity, &k) > 0)
-            several |= next_physical(g->view, entity, &k) > 0;
-    }
+    for (int64_t b = 0; b < g->blocks.n; b++)
+        several |= gmsh_groups_count(&g->groups, g->blocks.block[b].entity) > 1;
     if (several)
         io_losses_add(losses, "all but the first group of elements that are in several");
 }
@@ -302,11 +312,15 @@ static int out_width(int width) {
     return width == 1 ? 1 : width <= 3 ? 3 : 9;
 }
 
-/** Put the numbers of a value; a symmetric tensor has all nine. */
+/** Put the numbers of a value; tensors that are symmetric, or of two dimensions, have all nine. */
 static void put_value(gmsh_out *g, const double *value, int width) {
-    static const uint8_t full[] = {0, 1, 3, 1, 2, 4, 3, 4, 5};
+    enum { ZERO = 9 };
+    static const uint8_t as_it_is[] = {0, 1, 2, 3, 4, 5, 6, 7, 8};
+    static const uint8_t symmetric[] = {0, 1, 3, 1, 2, 4, 3, 4, 5};
+    static const uint8_t plane[] = {0, 1, ZERO, 2, 3, ZERO, ZERO, ZERO, ZERO};
+    const uint8_t *at = width == 6 ? symmetric : width == 4 ? plane : as_it_is;
     for (int k = 0; k < out_width(width); k++)
-        io_put_real(&g->writer, ' ', width == 6 ? value[full[k]] : k < width ? value[k] : 0, 0);
+        io_put_real(&g->writer, ' ', at[k] < width ? value[at[k]] : 0, 0);
     io_put_text(&g->writer, "\n");
 }
 
@@ -317,10 +331,9 @@ static void put_field(gmsh_out *g, const io_view_field *field) {
     if (g->writer.status)
         return;
     g->writer.status = view->load(view->file, field, &data, g->writer.error);
-    io_put_format(&g->writer, "$%s\n1\n\"", section);
-    for (const char *c = field->name; *c; c++)
-        io_put_bytes(&g->writer, *c == '"' || (unsigned char)*c < ' ' ? "_" : c, 1);
-    io_put_format(&g->writer, "\"\n1\n0\n3\n0\n%d\n%" PRId64 "\n", out_width(field->width), data.n);
+    io_put_format(&g->writer, "$%s\n1\n", section);
+    put_name(g, field->name);
+    io_put_format(&g->writer, "1\n0\n3\n0\n%d\n%" PRId64 "\n", out_width(field->width), data.n);
     for (int64_t i = 0; i < view->model->n_nodes && !field->of_elements && !g->writer.status; i++) {
         io_put_integer(&g->writer, 0, io_view_node_number(view, i));
         put_value(g, data.values + i * field->width, field->width);
@@ -361,13 +374,15 @@ static int write_file(const io_view *view, pl_output *output, io_losses *losses,
     io_writer_begin(&g.writer, output, error);
     int status = io_view_blocks_make(view, &g.blocks, error);
     if (!status)
-        status = find_entities(&g, error);
+        status = gmsh_groups_make(view, &g.blocks, &g.groups, losses, error);
+    if (!status)
+        status = find_entities(&g, losses, error);
     if (!status) {
         put_file(&g, is_41);
-        lose_groups(view, losses);
         if (!is_41)
             lose_groups22(&g, losses);
     }
+    gmsh_groups_release(&g.groups);
     io_view_blocks_release(&g.blocks);
     pl_free(g.entity);
     return io_writer_end(&g.writer) ? g.writer.status : status;

@@ -74,6 +74,11 @@ int32_t io_view_first_group(const io_view *view, int dim, int64_t tag) {
     return tag < INT32_MIN || tag > INT32_MAX ? -1 : find_from(view, dim, (int32_t)tag, 0);
 }
 
+int32_t io_view_next_of_number(const io_view *view, int32_t group) {
+    const io_group *of = &view->model->group[group];
+    return find_from(view, of->dim, of->tag, group + 1);
+}
+
 int io_view_n_numbers(const io_view *view, int32_t entity) {
     return entity < 0 ? 0 : view->model->entity[entity].n_physical + 1;
 }
