@@ -209,7 +209,8 @@ typedef struct planish_mesh {
        A mid follows its edge, by half of the displacement of each end: a straight edge stays
        straight, a curved edge keeps its offset. Nodes in the middle of faces and cells follow all
        corners of these by 1/4 and 1/8. Orders may be mixed: an edge has a mid if one of its elements
-       has. The only constraint that counts for mids is FIXED; bounds are for corners. These are held:
+       has. FIXED holds mids; other constraints but FREE only say that they do not move on their own
+       (planish_options.curve_quality). Bounds are for corners. These are held:
        - corners that are nodes of another element
        - both ends of an edge whose mid is FIXED, a node of another element, a corner elsewhere or
          the mid of another edge
