@@ -174,6 +174,35 @@ static void edges_of_flat_elements_are_sides(void **state) {
     }
 }
 
+/** Facets keep the nodes in their middle, where the element has them. */
+static void facets_keep_their_middles(void **state) {
+    file_builder b = {.binary = 0};
+    char lost[512];
+    builder_text(&b, "# vtk DataFile Version 3.0\n\nASCII\nDATASET UNSTRUCTURED_GRID\n"
+                     "POINTS 27 double\n0 0 0 2 0 0 2 2 0 0 2 0 0 0 2 2 0 2 2 2 2 0 2 2\n"
+                     "1 0 0 2 1 0 1 2 0 0 1 0 1 0 2 2 1 2 1 2 2 0 1 2 0 0 1 2 0 1 2 2 1 0 2 1\n"
+                     "0 1 1 2 1 1 1 0 1 1 2 1 1 1 0 1 1 2 1 1 1\nCELLS 7 88\n27");
+    for (int i = 0; i < 27; i++)
+        builder_text(&b, " %d", i);
+    builder_text(&b, "\n9 0 3 2 1 11 10 9 8 24\n9 4 5 6 7 12 13 14 15 25\n"
+                     "9 0 1 5 4 8 17 12 16 22\n9 1 2 6 5 9 18 13 17 21\n"
+                     "9 2 3 7 6 10 19 14 18 23\n9 3 0 4 7 11 16 15 19 20\n"
+                     "CELL_TYPES 7\n29 28 28 28 28 28 28\n");
+    planish_file *file = converting_open_built(*state, "whole.vtk", &b);
+    planish_file *copy = to_exodus(*state, file, lost);
+    const io_others *flat = &copy->model.flat;
+    assert_int_equal(flat->n, 6);
+    for (int i = 0; i < 6; i++) {
+        const int32_t *node = flat->node + flat->offset[i];
+        assert_int_equal(flat->type[i], PLANISH_CELL_QUADRILATERAL9);
+        for (int d = 0; d < 3; d++)
+            assert_true(2 * copy->model.xyz[3 * node[8] + d] ==
+                        copy->model.xyz[3 * node[0] + d] + copy->model.xyz[3 * node[2] + d]);
+    }
+    planish_file_close(copy);
+    planish_file_close(file);
+}
+
 /* ---- groups --------------------------------------------------------------------------------- */
 
 /** Groups of several blocks, and blocks of several groups, keep what a file has room for. */
@@ -372,6 +401,7 @@ int main(void) {
         IN_A_FOLDER(sets_and_numbers_stay),
         IN_A_FOLDER(faces_of_solids_are_sides),
         IN_A_FOLDER(edges_of_flat_elements_are_sides),
+        IN_A_FOLDER(facets_keep_their_middles),
         IN_A_FOLDER(groups_name_blocks),
         IN_A_FOLDER(names_of_blocks_are_distinct),
         IN_A_FOLDER(entities_are_no_groups),

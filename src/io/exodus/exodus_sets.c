@@ -9,6 +9,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "io/core/elements.h"
 #include "io/core/memberships.h"
 #include "io/core/parts.h"
 #include "io/core/records.h"
@@ -63,7 +64,14 @@ static int32_t mid_of(const io_parts *parts, const side_nodes *all, int a, int b
     return -1;
 }
 
-/** Find the nodes of face or edge part of an element of a block. Mids only if all are there. */
+/** Find the node in the middle of a face of an element, or -1. */
+static int32_t middle_of(const io_parts *parts, const side_nodes *all, int face) {
+    const int at = all->corners + parts->n_edges + parts->middle[face];
+    return parts->middle[face] >= 0 && at < all->n ? all->node[at] : -1;
+}
+
+/** Find the nodes of face or edge part of an element of a block. Mids only if all are there, and the node
+ *  in the middle of a face behind them, if it has one. */
 static side_nodes nodes_of_part(const sets *s, const exodus_block *block, int64_t at, int part) {
     const side_nodes all = nodes_of(s, block, at);
     const io_parts *parts = io_parts_of(block->dim, all.corners);
@@ -79,6 +87,9 @@ static side_nodes nodes_of_part(const sets *s, const exodus_block *block, int64_
         mids += side.node[n + i] >= 0;
     }
     side.n += mids == n_mids ? n_mids : 0;
+    const int32_t middle = is_edge ? -1 : middle_of(parts, &all, part);
+    if (mids == n_mids && middle >= 0)
+        side.node[side.n++] = middle;
     return side;
 }
 
@@ -212,14 +223,13 @@ static int make_facet(sets *s, const set_side *side, int32_t entity) {
     const side_nodes nodes = nodes_of_part(s, block, side->at, side->part);
     const io_list list = io_model_list(r->model, block->list);
     const int64_t number = io_list_number(&list, block->at + side->at);
-    const int has_mids = nodes.n > nodes.corners;
     if (nodes.corners < MOST_CORNERS)
-        return io_model_add_simplex(r->model, io_simplex_type(nodes.corners - 1, has_mids),
+        return io_model_add_simplex(r->model,
+                                    io_simplex_type(nodes.corners - 1, nodes.n > nodes.corners),
                                     nodes.node, entity, number, r->error);
     r->model->n_other++;
-    return io_model_add_other(r->model,
-                              has_mids ? PLANISH_CELL_QUADRILATERAL8 : PLANISH_CELL_QUADRILATERAL,
-                              nodes.node, entity, number, r->error);
+    return io_model_add_other(r->model, io_cell_type(IO_QUADRILATERAL, nodes.n), nodes.node, entity,
+                              number, r->error);
 }
 
 /** Make facets of all sides that have been noted: one of those with the same corners. */
