@@ -34,8 +34,8 @@ typedef struct sets {
     set_side *side; /* [n_sides] */
     int64_t n_sides, side_capacity;
     int64_t listed;
-    int has_others; /* sides that are no facets */
-    int dim;        /* of the elements that are smoothed */
+    uint8_t *has_others; /* [sides.n] sides that are no facets; owned */
+    int dim;             /* of the elements that are smoothed */
 } sets;
 
 /* ---- sides ---------------------------------------------------------------------------------- */
@@ -163,7 +163,7 @@ static int take_side(sets *s, int64_t k, const char *name, int64_t element, int6
     const int is_facet = !is_whole && block->dim == s->dim;
     if (is_facet)
         return m ? PLANISH_OK : add_side(s, k, index, at, part);
-    s->has_others = 1;
+    s->has_others[k] = 1;
     if (!m)
         return PLANISH_OK;
     const side_nodes nodes = is_whole ? all : nodes_of_part(s, block, at, part);
@@ -285,8 +285,8 @@ static int make_node_entities(sets *s) {
     for (int pass = 0; pass < 2 && !status; pass++) {
         for (int64_t k = 0; k < s->nodes.n && !status; k++)
             status = take_nodes(s, k, &m);
-        for (int64_t k = 0; k < s->sides.n && s->has_others && !status; k++)
-            status = take_sides(s, k, &m);
+        for (int64_t k = 0; k < s->sides.n && !status; k++)
+            status = s->has_others[k] ? take_sides(s, k, &m) : PLANISH_OK;
         if (pass == 0 && !status)
             status = io_memberships_counted(&m, r->error);
     }
@@ -312,6 +312,9 @@ int exodus_read_sets(exodus_reader *r) {
         status = exodus_labels_read(r, "ss_prop1", "ss_names", &s.sides);
     if (!status && s.nodes.n + s.sides.n > INT32_MAX - 1)
         status = netcdf_fail(r->file, "ss_prop1", "there are too many sets");
+    s.has_others = status ? NULL : pl_alloc_zero(s.sides.n, 1);
+    if (!status && !s.has_others)
+        status = pl_fail_memory(r->error, "the side sets");
     for (int64_t k = 0; k < s.sides.n && !status; k++)
         status = take_sides(&s, k, NULL);
     /* Before there are facets: sides of shells are found in the lists of flat elements. */
@@ -323,9 +326,10 @@ int exodus_read_sets(exodus_reader *r) {
         status = exodus_labels_name(r, &s.nodes, k, 0);
     for (int64_t k = 0; k < s.sides.n && !status; k++) {
         status = exodus_labels_name(r, &s.sides, k, s.dim - 1);
-        if (!status)
+        if (!status && s.has_others[k])
             status = exodus_labels_name(r, &s.sides, k, 0);
     }
+    pl_free(s.has_others);
     pl_free(s.side);
     exodus_labels_release(&s.nodes);
     exodus_labels_release(&s.sides);

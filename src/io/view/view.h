@@ -104,6 +104,9 @@ void io_view_groups_end(io_view *view);
 /** Return the first group of a number, or -1. Several may have it. */
 int32_t io_view_first_group(const io_view *view, int dim, int64_t tag);
 
+/** Return the next group behind one that has its number, or -1. */
+int32_t io_view_next_of_number(const io_view *view, int32_t group);
+
 /** Return how many numbers an entity (-1: none) may be in groups by, and the first group of number k of
  *  these, which it is in, or -1. */
 int io_view_n_numbers(const io_view *view, int32_t entity);

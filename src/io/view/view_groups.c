@@ -39,8 +39,7 @@ static int32_t find_from(const io_view *view, int dim, int32_t tag, int32_t grou
 /** Set the bytes of all groups of a number, of which that one is the first; bytes of groups of one
  *  number are equal. */
 static void mark_number(const io_view *view, int32_t first, uint8_t *mark) {
-    const io_group *of = view->model->group;
-    for (int32_t g = first; g >= 0 && !mark[g]; g = find_from(view, of[g].dim, of[g].tag, g + 1))
+    for (int32_t g = first; g >= 0 && !mark[g]; g = io_view_next_of_number(view, g))
         mark[g] = 1;
 }
 
@@ -72,6 +71,11 @@ void io_view_groups_end(io_view *view) {
 
 int32_t io_view_first_group(const io_view *view, int dim, int64_t tag) {
     return tag < INT32_MIN || tag > INT32_MAX ? -1 : find_from(view, dim, (int32_t)tag, 0);
+}
+
+int32_t io_view_next_of_number(const io_view *view, int32_t group) {
+    const io_group *of = &view->model->group[group];
+    return find_from(view, of->dim, of->tag, group + 1);
 }
 
 int io_view_n_numbers(const io_view *view, int32_t entity) {
