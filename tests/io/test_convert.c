@@ -352,6 +352,49 @@ static void other_groups_are_told(void **state) {
     planish_file_close(file);
 }
 
+/** VTK's formats have one number of each cell, and none of nodes, but the names of all. */
+static void groups_beside_arrays_are_told(void **state) {
+    for (int t = 0; t < 2; t++)
+        for (int is_lost = 0; is_lost < 2; is_lost++) {
+            char lost[512];
+            file_builder b = {.binary = 0};
+            if (!is_read(&targets[t]))
+                continue;
+            builder_text(&b,
+                         "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,1,1,0\n*ELEMENT, TYPE=S3, "
+                         "ELSET=all\n1,1,2,3\n2,2,4,3\n%s",
+                         is_lost ? "*ELSET, ELSET=over\n2\n*NSET, NSET=mid\n3\n" : "");
+            planish_file *file = converting_open_built(*state, "over.inp", &b);
+            planish_file_close(
+                converting_to(*state, file, targets[t].name, targets[t].extension, lost));
+            assert_int_equal(strstr(lost, "groups of nodes") != NULL, is_lost);
+            assert_int_equal(strstr(lost, "all but the first group") != NULL, is_lost);
+            planish_file_close(file);
+        }
+}
+
+/** References of vertices stay in Medit's and Exodus' files alone; others tell it. */
+static void references_of_nodes_are_told(void **state) {
+    static const char *const formats[][3] = {
+        {"vtk", ".vtk", "lost"}, {"abaqus", ".inp", "lost"}, {"nastran", ".bdf", "lost"},
+        {"obj", ".obj", "lost"}, {"ply", ".ply", "lost"},    {"medit", ".mesh", ""},
+        {"exodus", ".e", ""}};
+    for (size_t t = 0; t < sizeof formats / sizeof *formats; t++)
+        for (int reference = 0; reference < 2; reference++) {
+            char lost[512];
+            file_builder b = {.binary = 0};
+            builder_text(&b,
+                         "MeshVersionFormatted 2\nDimension 3\nVertices\n3\n0 0 0 0\n1 0 0 0\n"
+                         "0 1 1 %d\nTriangles\n1\n1 2 3 1\nEnd\n",
+                         reference);
+            planish_file *file = converting_open_built(*state, "node.mesh", &b);
+            planish_file_close(converting_to(*state, file, formats[t][0], formats[t][1], lost));
+            assert_int_equal(strstr(lost, "references of nodes") != NULL,
+                             *formats[t][2] && reference);
+            planish_file_close(file);
+        }
+}
+
 /** Numbers that are not distinct, or 0, are given anew. */
 static void numbers_begin_at_1(void **state) {
     file_builder b = {.binary = 0};
@@ -600,6 +643,8 @@ int main(void) {
         IN_A_FOLDER(sets_of_nodes_are_converted),
         IN_A_FOLDER(names_of_one_number_are_converted),
         IN_A_FOLDER(other_groups_are_told),
+        IN_A_FOLDER(groups_beside_arrays_are_told),
+        IN_A_FOLDER(references_of_nodes_are_told),
         IN_A_FOLDER(numbers_begin_at_1),
         IN_A_FOLDER(regions_in_turn_are_converted),
         IN_A_FOLDER(data_are_converted),

@@ -379,6 +379,7 @@ static int abaqus_write(const io_view *view, pl_output *output, io_losses *losse
         io_view_lose_types(types, &blocks, losses);
         lose_type_names(view, types, losses);
         lose_names(view->model, losses);
+        io_view_lose_references(view, losses);
         io_view_lose_fields(view, losses);
     }
     io_view_blocks_release(&blocks);

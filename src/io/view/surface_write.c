@@ -231,8 +231,10 @@ static void list_losses(const surface_out *s, int has_names, io_losses *losses) 
         io_losses_add(losses, "mids of %" PRId64 " elements", n_curved);
     if (has_names)
         io_view_lose_others(view, losses);
-    else
+    else {
         io_view_lose_groups(view, losses);
+        io_view_lose_references(view, losses);
+    }
     io_view_lose_numbers(view, losses);
     io_view_lose_fields(view, losses);
 }
