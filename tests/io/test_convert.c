@@ -395,6 +395,38 @@ static void references_of_nodes_are_told(void **state) {
         }
 }
 
+/** What no conversion carries over is told by the words of the file: of Nastran all other cards, but those
+ *  of the mesh. */
+static void cards_are_told(void **state) {
+    char lost[512];
+    file_builder b = {.binary = 0};
+    builder_text(&b, "SOL 101\nCEND\nBEGIN BULK\n$ MAT9\nmat1,1,2.1+11,,.3\nPSOLID,1,1\n"
+                     "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nGRID,4,,0.,0.,1.\n"
+                     "CTETRA,1,1,1,2,3,4\nCTRIA3,2,2,1,2,3\nCONM2,3,1,,4.\nMAT1,2,2.1+11,,.3\n");
+    builder_text(&b, "RBE2,9,1,123,2,3,\n,4\nSPC1,1,123,1\nFORCE,1,2,,1.,1.,0.,0.\n"
+                     "GRAV,1,,9.8,0.,0.,1.\nBSURF,1,1\nENDDATA\nMAT8,1\n");
+    planish_file *file = converting_open_built(*state, "deck.bdf", &b);
+    planish_file_close(converting_to(*state, file, "gmsh", ".msh", lost));
+    assert_string_equal(lost, "GRAV, BSURF, MAT1, PSOLID, CONM2, RBE2, SPC1, FORCE, 1 elements of "
+                              "other types, parameters and comments");
+    planish_file_close(file);
+}
+
+/** Of Medit all keywords but those of the mesh, unless there are none of what they list. */
+static void keywords_are_told(void **state) {
+    char lost[512];
+    file_builder b = {.binary = 0};
+    builder_text(&b, "MeshVersionFormatted 2\n# Comment\nDimension 3\nVertices\n4\n0 0 0 0\n"
+                     "1 0 0 0\n0 1 0 0\n0 0 1 0\nTetrahedra\n1\n1 2 3 4 1\nEdges\n1\n1 2 1\n"
+                     "Ridges\n1\n1\nRequiredEdges\n1\n1\nRequiredVertices\n1\n3\n");
+    builder_text(&b, "Corners\n1\n1\nRequiredTriangles\n0\nTangents\n0\nNormals\n1\n1 0 0\n"
+                     "Ridges\n1\n1\nEnd\nBehind\n1\n");
+    planish_file *file = converting_open_built(*state, "words.mesh", &b);
+    planish_file_close(converting_to(*state, file, "medit", ".mesh", lost));
+    assert_string_equal(lost, "Ridges, RequiredEdges, Corners, Normals, parameters and comments");
+    planish_file_close(file);
+}
+
 /** Numbers that are not distinct, or 0, are given anew. */
 static void numbers_begin_at_1(void **state) {
     file_builder b = {.binary = 0};
@@ -645,6 +677,8 @@ int main(void) {
         IN_A_FOLDER(other_groups_are_told),
         IN_A_FOLDER(groups_beside_arrays_are_told),
         IN_A_FOLDER(references_of_nodes_are_told),
+        IN_A_FOLDER(cards_are_told),
+        IN_A_FOLDER(keywords_are_told),
         IN_A_FOLDER(numbers_begin_at_1),
         IN_A_FOLDER(regions_in_turn_are_converted),
         IN_A_FOLDER(data_are_converted),
