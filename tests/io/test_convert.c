@@ -395,6 +395,48 @@ static void references_of_nodes_are_told(void **state) {
         }
 }
 
+/** Groups without names have their numbers, if all of their elements are one entity; else formats without
+ *  groups tell that these are lost. */
+static void numbers_of_groups_are_told(void **state) {
+    static const char *const formats[][2] = {{"abaqus", ".inp"}, {"nastran", ".bdf"},
+                                             {"exodus", ".e"},   {"medit", ".mesh"},
+                                             {"obj", ".obj"},    {"gmsh22", ".msh"}};
+    for (size_t t = 0; t < sizeof formats / sizeof *formats; t++)
+        for (int n = 1; n <= 2; n++) {
+            char lost[512];
+            file_builder b = {.binary = 0};
+            builder_text(&b,
+                         "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n"
+                         "3 0 1 1\n4 1 1 0\n$EndNodes\n$Elements\n2\n1 2 2 100 1 1 2 3\n"
+                         "2 2 2 100 %d 2 4 3\n$EndElements\n",
+                         n);
+            planish_file *file = converting_open_built(*state, "number.msh", &b);
+            planish_file_close(converting_to(*state, file, formats[t][0], formats[t][1], lost));
+            assert_int_equal(strstr(lost, "numbers of groups") != NULL, n == 2 && t < 5);
+            planish_file_close(file);
+        }
+}
+
+/** Sets of Abaqus have the references of regions, and numbers behind these without one. */
+static void sets_have_references(void **state) {
+    static const char *const names[] = {"VOLUME70", "VOLUME9", "VOLUME73"};
+    char lost[512];
+    file_builder b = {.binary = 0};
+    builder_text(&b, "MeshVersionFormatted 2\nDimension 3\nVertices\n6\n0 0 0 0\n1 0 0 0\n"
+                     "0 1 0 0\n0 0 1 0\n1 1 1 0\n2 2 2 0\nTetrahedra\n3\n1 2 3 4 70\n2 3 4 5 9\n"
+                     "3 4 5 6 0\nEnd\n");
+    planish_file *file = converting_open_built(*state, "references.mesh", &b);
+    planish_file *copy = converting_to(*state, file, "abaqus", ".inp", lost);
+    for (int i = 0; i < 3; i++) {
+        uint8_t *nodes = converting_nodes_of(copy, names[i]);
+        for (int k = 0; k < 6; k++)
+            assert_int_equal(nodes[k], k >= i && k < i + 4);
+        free(nodes);
+    }
+    planish_file_close(copy);
+    planish_file_close(file);
+}
+
 /** What no conversion carries over is told by the words of the file: of Nastran all other cards, but those
  *  of the mesh. */
 static void cards_are_told(void **state) {
@@ -677,6 +719,8 @@ int main(void) {
         IN_A_FOLDER(other_groups_are_told),
         IN_A_FOLDER(groups_beside_arrays_are_told),
         IN_A_FOLDER(references_of_nodes_are_told),
+        IN_A_FOLDER(numbers_of_groups_are_told),
+        IN_A_FOLDER(sets_have_references),
         IN_A_FOLDER(cards_are_told),
         IN_A_FOLDER(keywords_are_told),
         IN_A_FOLDER(numbers_begin_at_1),

@@ -229,9 +229,10 @@ static void list_losses(const surface_out *s, int has_names, io_losses *losses) 
         io_losses_add(losses, "%" PRId64 " solid elements and lines", view->n_cells - s->n_facets);
     if (n_curved > 0)
         io_losses_add(losses, "mids of %" PRId64 " elements", n_curved);
-    if (has_names)
+    if (has_names) {
         io_view_lose_others(view, losses);
-    else {
+        io_view_lose_tags(view, &s->blocks, 1, 1, losses);
+    } else {
         io_view_lose_groups(view, losses);
         io_view_lose_references(view, losses);
     }
