@@ -437,6 +437,27 @@ static void sets_have_references(void **state) {
     planish_file_close(file);
 }
 
+/** Formats of surfaces tell that they have no other nodes, and names of one word. */
+static void surfaces_tell_nodes_and_blanks(void **state) {
+    static const char *const formats[][2] = {{"ply", ".ply"}, {"stl", ".stl"}, {"obj", ".obj"}};
+    for (int t = 0; t < 3; t++)
+        for (int is_lost = 0; is_lost < 2; is_lost++) {
+            char lost[512];
+            file_builder b = {.binary = 0};
+            builder_text(&b,
+                         "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,1\n4,1,1,0\n%s*ELEMENT, TYPE=S3, "
+                         "ELSET=\"%s\"\n1,1,2,3\n*ELEMENT, TYPE=S3, ELSET=a_b\n2,2,4,3\n",
+                         is_lost ? "5,1,1,1\n" : "", is_lost ? "a b" : "c");
+            planish_file *file = converting_open_built(*state, "names.inp", &b);
+            planish_file_close(converting_to(*state, file, formats[t][0], formats[t][1], lost));
+            assert_int_equal(strstr(lost, "1 nodes that are corners of no facet") != NULL, is_lost);
+            assert_int_equal(strstr(lost, "blanks and control characters (now '_') in the names "
+                                          "of 1 group") != NULL,
+                             is_lost && t > 0);
+            planish_file_close(file);
+        }
+}
+
 /** What no conversion carries over is told by the words of the file: of Nastran all other cards, but those
  *  of the mesh. */
 static void cards_are_told(void **state) {
@@ -721,6 +742,7 @@ int main(void) {
         IN_A_FOLDER(references_of_nodes_are_told),
         IN_A_FOLDER(numbers_of_groups_are_told),
         IN_A_FOLDER(sets_have_references),
+        IN_A_FOLDER(surfaces_tell_nodes_and_blanks),
         IN_A_FOLDER(cards_are_told),
         IN_A_FOLDER(keywords_are_told),
         IN_A_FOLDER(numbers_begin_at_1),
