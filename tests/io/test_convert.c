@@ -352,6 +352,144 @@ static void other_groups_are_told(void **state) {
     planish_file_close(file);
 }
 
+/** VTK's formats have one number of each cell, and none of nodes, but the names of all. */
+static void groups_beside_arrays_are_told(void **state) {
+    for (int t = 0; t < 2; t++)
+        for (int is_lost = 0; is_lost < 2; is_lost++) {
+            char lost[512];
+            file_builder b = {.binary = 0};
+            if (!is_read(&targets[t]))
+                continue;
+            builder_text(&b,
+                         "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,1,1,0\n*ELEMENT, TYPE=S3, "
+                         "ELSET=all\n1,1,2,3\n2,2,4,3\n%s",
+                         is_lost ? "*ELSET, ELSET=over\n2\n*NSET, NSET=mid\n3\n" : "");
+            planish_file *file = converting_open_built(*state, "over.inp", &b);
+            planish_file_close(
+                converting_to(*state, file, targets[t].name, targets[t].extension, lost));
+            assert_int_equal(strstr(lost, "groups of nodes") != NULL, is_lost);
+            assert_int_equal(strstr(lost, "all but the first group") != NULL, is_lost);
+            planish_file_close(file);
+        }
+}
+
+/** References of vertices stay in Medit's and Exodus' files alone; others tell it. */
+static void references_of_nodes_are_told(void **state) {
+    static const char *const formats[][3] = {
+        {"vtk", ".vtk", "lost"}, {"abaqus", ".inp", "lost"}, {"nastran", ".bdf", "lost"},
+        {"obj", ".obj", "lost"}, {"ply", ".ply", "lost"},    {"medit", ".mesh", ""},
+        {"exodus", ".e", ""}};
+    for (size_t t = 0; t < sizeof formats / sizeof *formats; t++)
+        for (int reference = 0; reference < 2; reference++) {
+            char lost[512];
+            file_builder b = {.binary = 0};
+            builder_text(&b,
+                         "MeshVersionFormatted 2\nDimension 3\nVertices\n3\n0 0 0 0\n1 0 0 0\n"
+                         "0 1 1 %d\nTriangles\n1\n1 2 3 1\nEnd\n",
+                         reference);
+            planish_file *file = converting_open_built(*state, "node.mesh", &b);
+            planish_file_close(converting_to(*state, file, formats[t][0], formats[t][1], lost));
+            assert_int_equal(strstr(lost, "references of nodes") != NULL,
+                             *formats[t][2] && reference);
+            planish_file_close(file);
+        }
+}
+
+/** Groups without names have their numbers, if all of their elements are one entity; else formats without
+ *  groups tell that these are lost. */
+static void numbers_of_groups_are_told(void **state) {
+    static const char *const formats[][2] = {{"abaqus", ".inp"}, {"nastran", ".bdf"},
+                                             {"exodus", ".e"},   {"medit", ".mesh"},
+                                             {"obj", ".obj"},    {"gmsh22", ".msh"}};
+    for (size_t t = 0; t < sizeof formats / sizeof *formats; t++)
+        for (int n = 1; n <= 2; n++) {
+            char lost[512];
+            file_builder b = {.binary = 0};
+            builder_text(&b,
+                         "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n"
+                         "3 0 1 1\n4 1 1 0\n$EndNodes\n$Elements\n2\n1 2 2 100 1 1 2 3\n"
+                         "2 2 2 100 %d 2 4 3\n$EndElements\n",
+                         n);
+            planish_file *file = converting_open_built(*state, "number.msh", &b);
+            planish_file_close(converting_to(*state, file, formats[t][0], formats[t][1], lost));
+            assert_int_equal(strstr(lost, "numbers of groups") != NULL, n == 2 && t < 5);
+            planish_file_close(file);
+        }
+}
+
+/** Sets of Abaqus have the references of regions, and numbers behind these without one. */
+static void sets_have_references(void **state) {
+    static const char *const names[] = {"VOLUME70", "VOLUME9", "VOLUME73"};
+    char lost[512];
+    file_builder b = {.binary = 0};
+    builder_text(&b, "MeshVersionFormatted 2\nDimension 3\nVertices\n6\n0 0 0 0\n1 0 0 0\n"
+                     "0 1 0 0\n0 0 1 0\n1 1 1 0\n2 2 2 0\nTetrahedra\n3\n1 2 3 4 70\n2 3 4 5 9\n"
+                     "3 4 5 6 0\nEnd\n");
+    planish_file *file = converting_open_built(*state, "references.mesh", &b);
+    planish_file *copy = converting_to(*state, file, "abaqus", ".inp", lost);
+    for (int i = 0; i < 3; i++) {
+        uint8_t *nodes = converting_nodes_of(copy, names[i]);
+        for (int k = 0; k < 6; k++)
+            assert_int_equal(nodes[k], k >= i && k < i + 4);
+        free(nodes);
+    }
+    planish_file_close(copy);
+    planish_file_close(file);
+}
+
+/** Formats of surfaces tell that they have no other nodes, and names of one word. */
+static void surfaces_tell_nodes_and_blanks(void **state) {
+    static const char *const formats[][2] = {{"ply", ".ply"}, {"stl", ".stl"}, {"obj", ".obj"}};
+    for (int t = 0; t < 3; t++)
+        for (int is_lost = 0; is_lost < 2; is_lost++) {
+            char lost[512];
+            file_builder b = {.binary = 0};
+            builder_text(&b,
+                         "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,1\n4,1,1,0\n%s*ELEMENT, TYPE=S3, "
+                         "ELSET=\"%s\"\n1,1,2,3\n*ELEMENT, TYPE=S3, ELSET=a_b\n2,2,4,3\n",
+                         is_lost ? "5,1,1,1\n" : "", is_lost ? "a b" : "c");
+            planish_file *file = converting_open_built(*state, "names.inp", &b);
+            planish_file_close(converting_to(*state, file, formats[t][0], formats[t][1], lost));
+            assert_int_equal(strstr(lost, "1 nodes that are corners of no facet") != NULL, is_lost);
+            assert_int_equal(strstr(lost, "blanks and control characters (now '_') in the names "
+                                          "of 1 group") != NULL,
+                             is_lost && t > 0);
+            planish_file_close(file);
+        }
+}
+
+/** What no conversion carries over is told by the words of the file: of Nastran all other cards, but those
+ *  of the mesh. */
+static void cards_are_told(void **state) {
+    char lost[512];
+    file_builder b = {.binary = 0};
+    builder_text(&b, "SOL 101\nCEND\nBEGIN BULK\n$ MAT9\nmat1,1,2.1+11,,.3\nPSOLID,1,1\n"
+                     "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nGRID,4,,0.,0.,1.\n"
+                     "CTETRA,1,1,1,2,3,4\nCTRIA3,2,2,1,2,3\nCONM2,3,1,,4.\nMAT1,2,2.1+11,,.3\n");
+    builder_text(&b, "RBE2,9,1,123,2,3,\n,4\nSPC1,1,123,1\nFORCE,1,2,,1.,1.,0.,0.\n"
+                     "GRAV,1,,9.8,0.,0.,1.\nBSURF,1,1\nENDDATA\nMAT8,1\n");
+    planish_file *file = converting_open_built(*state, "deck.bdf", &b);
+    planish_file_close(converting_to(*state, file, "gmsh", ".msh", lost));
+    assert_string_equal(lost, "GRAV, BSURF, MAT1, PSOLID, CONM2, RBE2, SPC1, FORCE, 1 elements of "
+                              "other types, parameters and comments");
+    planish_file_close(file);
+}
+
+/** Of Medit all keywords but those of the mesh, unless there are none of what they list. */
+static void keywords_are_told(void **state) {
+    char lost[512];
+    file_builder b = {.binary = 0};
+    builder_text(&b, "MeshVersionFormatted 2\n# Comment\nDimension 3\nVertices\n4\n0 0 0 0\n"
+                     "1 0 0 0\n0 1 0 0\n0 0 1 0\nTetrahedra\n1\n1 2 3 4 1\nEdges\n1\n1 2 1\n"
+                     "Ridges\n1\n1\nRequiredEdges\n1\n1\nRequiredVertices\n1\n3\n");
+    builder_text(&b, "Corners\n1\n1\nRequiredTriangles\n0\nTangents\n0\nNormals\n1\n1 0 0\n"
+                     "Ridges\n1\n1\nEnd\nBehind\n1\n");
+    planish_file *file = converting_open_built(*state, "words.mesh", &b);
+    planish_file_close(converting_to(*state, file, "medit", ".mesh", lost));
+    assert_string_equal(lost, "Ridges, RequiredEdges, Corners, Normals, parameters and comments");
+    planish_file_close(file);
+}
+
 /** Numbers that are not distinct, or 0, are given anew. */
 static void numbers_begin_at_1(void **state) {
     file_builder b = {.binary = 0};
@@ -655,6 +793,13 @@ int main(void) {
         IN_A_FOLDER(sets_of_nodes_are_converted),
         IN_A_FOLDER(names_of_one_number_are_converted),
         IN_A_FOLDER(other_groups_are_told),
+        IN_A_FOLDER(groups_beside_arrays_are_told),
+        IN_A_FOLDER(references_of_nodes_are_told),
+        IN_A_FOLDER(numbers_of_groups_are_told),
+        IN_A_FOLDER(sets_have_references),
+        IN_A_FOLDER(surfaces_tell_nodes_and_blanks),
+        IN_A_FOLDER(cards_are_told),
+        IN_A_FOLDER(keywords_are_told),
         IN_A_FOLDER(numbers_begin_at_1),
         IN_A_FOLDER(regions_in_turn_are_converted),
         IN_A_FOLDER(data_are_converted),

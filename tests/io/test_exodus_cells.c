@@ -30,6 +30,7 @@ static const struct {
              {"TETRA10", 1, {"124", "234", "143", "132"}},
              {"PYRAMID", 1, {"125", "235", "345", "154", "1432"}},
              {"PYRAMID13", 1, {"125", "235", "345", "154", "1432"}},
+             {"Pyramid14", 1, {"125", "235", "345", "154", "1432"}},
              {"WEDGE", 1, {"1254", "2365", "1463", "132", "456"}},
              {"wedge15", 1, {"1254", "2365", "1463", "132", "456"}},
              {"WEDGE18", 1, {"1254", "2365", "1463", "132", "456"}},
@@ -47,12 +48,13 @@ static const unit_element elements[] = {
     {PLANISH_CELL_TETRAHEDRON10, 6, TETRAHEDRON10},
     {PLANISH_CELL_PYRAMID, 7, PYRAMID},
     {PLANISH_CELL_PYRAMID13, 8, PYRAMID13},
-    {PLANISH_CELL_WEDGE, 9, WEDGE},
-    {PLANISH_CELL_WEDGE15, 10, WEDGE15},
-    {PLANISH_CELL_WEDGE18, 11, WEDGE15 " 1254 2365 3146"},
-    {PLANISH_CELL_HEXAHEDRON, 12, HEXAHEDRON},
-    {PLANISH_CELL_HEXAHEDRON20, 13, HEXAHEDRON20},
-    {PLANISH_CELL_HEXAHEDRON27, 14, HEXAHEDRON20 " 12345678 1234 5678 4158 2376 1265 3487"},
+    {PLANISH_CELL_PYRAMID14, 9, PYRAMID13 " 1234"},
+    {PLANISH_CELL_WEDGE, 10, WEDGE},
+    {PLANISH_CELL_WEDGE15, 11, WEDGE15},
+    {PLANISH_CELL_WEDGE18, 12, WEDGE15 " 1254 2365 3146"},
+    {PLANISH_CELL_HEXAHEDRON, 13, HEXAHEDRON},
+    {PLANISH_CELL_HEXAHEDRON20, 14, HEXAHEDRON20},
+    {PLANISH_CELL_HEXAHEDRON27, 15, HEXAHEDRON20 " 12345678 1234 5678 4158 2376 1265 3487"},
 };
 enum { N_TYPES = sizeof elements / sizeof *elements };
 
@@ -122,11 +124,11 @@ static planish_file *read_side(int i, int side, int *n) {
     return status ? NULL : file;
 }
 
-/** Say which of the nodes of an element are corners of a side, or mids of its edges. */
+/** Say which of the nodes of an element are corners of a side, mids of its edges, or in its middle. */
 static void find_side(const char *nodes, const char *corners, char *expected) {
     for (; *nodes; expected++) {
         const size_t n = strcspn(nodes, " ");
-        *expected = n <= 2 && strspn(nodes, corners) >= n ? '1' : '0';
+        *expected = strspn(nodes, corners) >= n ? '1' : '0';
         nodes += n + (nodes[n] == ' ');
     }
     *expected = '\0';

@@ -174,6 +174,35 @@ static void edges_of_flat_elements_are_sides(void **state) {
     }
 }
 
+/** Facets keep the nodes in their middle, where the element has them. */
+static void facets_keep_their_middles(void **state) {
+    file_builder b = {.binary = 0};
+    char lost[512];
+    builder_text(&b, "# vtk DataFile Version 3.0\n\nASCII\nDATASET UNSTRUCTURED_GRID\n"
+                     "POINTS 27 double\n0 0 0 2 0 0 2 2 0 0 2 0 0 0 2 2 0 2 2 2 2 0 2 2\n"
+                     "1 0 0 2 1 0 1 2 0 0 1 0 1 0 2 2 1 2 1 2 2 0 1 2 0 0 1 2 0 1 2 2 1 0 2 1\n"
+                     "0 1 1 2 1 1 1 0 1 1 2 1 1 1 0 1 1 2 1 1 1\nCELLS 7 88\n27");
+    for (int i = 0; i < 27; i++)
+        builder_text(&b, " %d", i);
+    builder_text(&b, "\n9 0 3 2 1 11 10 9 8 24\n9 4 5 6 7 12 13 14 15 25\n"
+                     "9 0 1 5 4 8 17 12 16 22\n9 1 2 6 5 9 18 13 17 21\n"
+                     "9 2 3 7 6 10 19 14 18 23\n9 3 0 4 7 11 16 15 19 20\n"
+                     "CELL_TYPES 7\n29 28 28 28 28 28 28\n");
+    planish_file *file = converting_open_built(*state, "whole.vtk", &b);
+    planish_file *copy = to_exodus(*state, file, lost);
+    const io_others *flat = &copy->model.flat;
+    assert_int_equal(flat->n, 6);
+    for (int i = 0; i < 6; i++) {
+        const int32_t *node = flat->node + flat->offset[i];
+        assert_int_equal(flat->type[i], PLANISH_CELL_QUADRILATERAL9);
+        for (int d = 0; d < 3; d++)
+            assert_true(2 * copy->model.xyz[3 * node[8] + d] ==
+                        copy->model.xyz[3 * node[0] + d] + copy->model.xyz[3 * node[2] + d]);
+    }
+    planish_file_close(copy);
+    planish_file_close(file);
+}
+
 /* ---- groups --------------------------------------------------------------------------------- */
 
 /** Groups of several blocks, and blocks of several groups, keep what a file has room for. */
@@ -217,6 +246,92 @@ static void names_of_blocks_are_distinct(void **state) {
     assert_string_equal(copy->model.group[0].name, "solid");
     assert_string_equal(copy->model.group[1].name, "solid_2");
     planish_file_close(copy);
+    planish_file_close(file);
+}
+
+/** Expect that side set k (from 1) of the converted file has n sides and that name. */
+static void check_side_set(const char *folder, int k, int n, const char *name) {
+    char path[TEST_PATH_SIZE], text[32];
+    size_t size;
+    netcdf_header header;
+    planish_error error = {.text = ""};
+    char *bytes = test_read(test_path(path, folder, "out-exodus.e"), &size);
+    const io_model model = {.input = {.path = path, .data = bytes, .size = (int64_t)size}};
+    if (netcdf_header_read(&model, &header, &error))
+        fail_msg("%s", error.text);
+    snprintf(text, sizeof text, "num_side_ss%d", k);
+    assert_int_equal(netcdf_header_dimension(&header, text), n);
+    const netcdf_variable *v = netcdf_header_find(&header, "ss_names");
+    const int64_t length = netcdf_header_dimension(&header, "len_name");
+    assert_string_equal(bytes + v->begin + (k - 1) * length, name);
+    netcdf_header_release(&header);
+    free(bytes);
+}
+
+/** Groups of one name are one side set or node set, as programs look sets up by their names. All names of
+ *  a number stay. */
+static void names_are_sets(void **state) {
+    file_builder b = {.binary = 0};
+    char lost[512];
+    builder_text(&b, "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n5\n2 5 \"all\"\n"
+                     "2 3 \"all\"\n2 3 \"lid\"\n2 5 \"skin\"\n3 1 \"inside\"\n"
+                     "$EndPhysicalNames\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 3 3 3\n");
+    builder_text(&b, "$EndNodes\n$Elements\n4\n1 4 2 1 1 1 2 3 4\n2 2 2 3 8 1 2 3\n"
+                     "3 2 2 5 9 1 2 4\n4 2 2 3 8 1 3 4\n$EndElements\n");
+    planish_file *file = converting_open_built(*state, "names.msh", &b);
+    planish_file *copy = to_exodus(*state, file, lost);
+    assert_string_equal(lost, "parameters and comments");
+    assert_int_equal(copy->model.triangle.n, 3);
+    assert_int_equal(copy->model.n_groups, 4); /* all of facets but the block's */
+    check_side_set(*state, 1, 3, "all");       /* by their ids: 3, 5, and a free one */
+    check_side_set(*state, 2, 1, "skin");
+    check_side_set(*state, 3, 2, "lid");
+    static const char *const tags[] = {"2:3", "2:5", "2:6"};
+    static const char held[][6] = {"\1\1\1\1\0", "\1\1\0\1\0", "\1\1\1\1\0"};
+    for (int i = 0; i < 3; i++) {
+        uint8_t *nodes = converting_nodes_of(copy, tags[i]);
+        assert_memory_equal(nodes, held[i], 5);
+        free(nodes);
+    }
+    planish_file_close(copy);
+    planish_file_close(file);
+}
+
+/** Give all node sets and side sets of the converted file, of which there is one each, number 7, and
+ *  open it. */
+static planish_file *open_with_one_number(const char *folder) {
+    char path[TEST_PATH_SIZE];
+    size_t size;
+    netcdf_header header;
+    planish_error error = {.text = ""};
+    char *bytes = test_read(test_path(path, folder, "out-exodus.e"), &size);
+    const io_model model = {.input = {.path = path, .data = bytes, .size = (int64_t)size}};
+    if (netcdf_header_read(&model, &header, &error))
+        fail_msg("%s", error.text);
+    bytes[netcdf_header_find(&header, "ns_prop1")->begin + 3] = 7;
+    bytes[netcdf_header_find(&header, "ss_prop1")->begin + 3] = 7;
+    netcdf_header_release(&header);
+    test_write(folder, "number.e", bytes, size);
+    free(bytes);
+    return converting_open(test_path(path, folder, "number.e"));
+}
+
+/** Where a side set has the number of a node set, their names are not mixed up. */
+static void sets_of_one_number_stay_apart(void **state) {
+    file_builder b = {.binary = 0};
+    char lost[512];
+    builder_text(&b, "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*ELEMENT, TYPE=C3D4\n1,1,2,3,4\n"
+                     "*NSET, NSET=tip\n4\n*ELEMENT, TYPE=S3, ELSET=skin\n2,1,2,3\n");
+    planish_file *file = converting_open_built(*state, "number.inp", &b);
+    planish_file_close(to_exodus(*state, file, lost));
+    planish_file *numbered = open_with_one_number(*state);
+    planish_file *copy = to_exodus(*state, numbered, lost);
+    assert_string_equal(lost, "parameters and comments");
+    check_tag(file, copy, "tip");
+    check_tag(file, copy, "skin");
+    assert_int_equal(copy->model.n_groups, 2);
+    planish_file_close(copy);
+    planish_file_close(numbered);
     planish_file_close(file);
 }
 
@@ -372,8 +487,11 @@ int main(void) {
         IN_A_FOLDER(sets_and_numbers_stay),
         IN_A_FOLDER(faces_of_solids_are_sides),
         IN_A_FOLDER(edges_of_flat_elements_are_sides),
+        IN_A_FOLDER(facets_keep_their_middles),
         IN_A_FOLDER(groups_name_blocks),
         IN_A_FOLDER(names_of_blocks_are_distinct),
+        IN_A_FOLDER(names_are_sets),
+        IN_A_FOLDER(sets_of_one_number_stay_apart),
         IN_A_FOLDER(entities_are_no_groups),
         IN_A_FOLDER(components_are_variables),
         IN_A_FOLDER(netcdf_files_are_written),

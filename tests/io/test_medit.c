@@ -536,6 +536,10 @@ static void check_solid(const planish_file *file, int version) {
     assert_int_equal(file->model.entity[file->model.tetrahedron.entity[1]].tag, -8);
     assert_int_equal(file->model.entity[file->model.node_entity[3]].tag, -1);
     assert_int_equal(planish_file_node_number(file, 5), 6);
+    static const char *const lost[] = {"Normals", "Ridges", "RequiredTetrahedra", "Corners"};
+    assert_int_equal(file->model.not_carried.n, 4);
+    for (int i = 0; i < 4; i++)
+        assert_string_equal(file->model.not_carried.name[i], lost[i]);
 }
 
 static void binary_files_are_read_and_written(void **state) {

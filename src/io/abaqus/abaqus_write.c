@@ -68,9 +68,11 @@ enum { GROUP = 4, N_WORDS }; /* before it those of blocks, by their dimension */
 
 static const char *const words[N_WORDS] = {"POINTS", "LINES", "SURFACE", "VOLUME", "GROUP"};
 
-/** How many '_' the names with each word need, so that no group has them. */
+/** How many '_' the names with each word need, so that no group has them, and numbers of blocks. */
 typedef struct set_marks {
     int n[N_WORDS];
+    int has_references; /* sets of blocks have these where they are positive, others are numbered */
+    int64_t largest;    /* behind this one */
 } set_marks;
 
 /** Return how many '_' names need behind a word so that no group has them, as far as names are written. */
@@ -90,10 +92,13 @@ static int count_marks(const io_model *model, const char *word) {
     return n_marks;
 }
 
-static set_marks find_marks(const io_model *model) {
-    set_marks marks;
+static set_marks find_marks(const io_model *model, const io_view_blocks *blocks) {
+    set_marks marks = {.has_references = !model->groups_by_name};
     for (int i = 0; i < N_WORDS; i++)
         marks.n[i] = count_marks(model, words[i]);
+    for (int64_t b = 0; b < blocks->n && marks.has_references; b++)
+        if (blocks->block[b].reference > marks.largest)
+            marks.largest = blocks->block[b].reference;
     return marks;
 }
 
@@ -108,7 +113,9 @@ static void put_own_name(io_writer *writer, const set_marks *marks, int word, in
 
 /** Put the name of the set that a block is of. */
 static void put_set(io_writer *writer, const set_marks *marks, const io_view_block *block) {
-    put_own_name(writer, marks, block->dim, block->set);
+    const int has_reference = marks->has_references && block->reference > 0;
+    put_own_name(writer, marks, block->dim,
+                 has_reference ? block->reference : marks->largest + block->set);
 }
 
 static void put_nodes(io_writer *writer, const io_view *view) {
@@ -373,12 +380,14 @@ static int abaqus_write(const io_view *view, pl_output *output, io_losses *losse
     int status = io_view_blocks_make(view, &blocks, error);
     io_writer_begin(&writer, output, error);
     if (!status) {
-        const set_marks marks = find_marks(view->model);
+        const set_marks marks = find_marks(view->model, &blocks);
         put_mesh(&writer, view, &blocks, &marks, types);
         status = put_groups(&writer, view, &blocks, &marks, error);
         io_view_lose_types(types, &blocks, losses);
         lose_type_names(view, types, losses);
         lose_names(view->model, losses);
+        io_view_lose_references(view, losses);
+        io_view_lose_tags(view, &blocks, 0, 1, losses);
         io_view_lose_fields(view, losses);
     }
     io_view_blocks_release(&blocks);

@@ -309,7 +309,7 @@ typedef struct io_model {
                                 none does */
     io_names supported_group; /* names of the groups that boundary conditions name */
     io_names included_name;   /* of the files in included, as the input names them */
-    io_names not_carried;     /* what no conversion carries over: keywords of Abaqus */
+    io_names not_carried;     /* what no conversion carries over: keywords, cards */
     io_type_name *type_name;  /* [n_type_names] each once, of the elements that are read (Abaqus) */
     int64_t n_type_names, type_name_capacity;
     int has_normals;                 /* the file has normals of nodes, which stay as they are */

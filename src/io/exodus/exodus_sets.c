@@ -9,6 +9,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "io/core/elements.h"
 #include "io/core/memberships.h"
 #include "io/core/parts.h"
 #include "io/core/records.h"
@@ -33,8 +34,8 @@ typedef struct sets {
     set_side *side; /* [n_sides] */
     int64_t n_sides, side_capacity;
     int64_t listed;
-    int has_others; /* sides that are no facets */
-    int dim;        /* of the elements that are smoothed */
+    uint8_t *has_others; /* [sides.n] sides that are no facets; owned */
+    int dim;             /* of the elements that are smoothed */
 } sets;
 
 /* ---- sides ---------------------------------------------------------------------------------- */
@@ -63,7 +64,14 @@ static int32_t mid_of(const io_parts *parts, const side_nodes *all, int a, int b
     return -1;
 }
 
-/** Find the nodes of face or edge part of an element of a block. Mids only if all are there. */
+/** Find the node in the middle of a face of an element, or -1. */
+static int32_t middle_of(const io_parts *parts, const side_nodes *all, int face) {
+    const int at = all->corners + parts->n_edges + parts->middle[face];
+    return parts->middle[face] >= 0 && at < all->n ? all->node[at] : -1;
+}
+
+/** Find the nodes of face or edge part of an element of a block. Mids only if all are there, and the node
+ *  in the middle of a face behind them, if it has one. */
 static side_nodes nodes_of_part(const sets *s, const exodus_block *block, int64_t at, int part) {
     const side_nodes all = nodes_of(s, block, at);
     const io_parts *parts = io_parts_of(block->dim, all.corners);
@@ -79,6 +87,9 @@ static side_nodes nodes_of_part(const sets *s, const exodus_block *block, int64_
         mids += side.node[n + i] >= 0;
     }
     side.n += mids == n_mids ? n_mids : 0;
+    const int32_t middle = is_edge ? -1 : middle_of(parts, &all, part);
+    if (mids == n_mids && middle >= 0)
+        side.node[side.n++] = middle;
     return side;
 }
 
@@ -152,7 +163,7 @@ static int take_side(sets *s, int64_t k, const char *name, int64_t element, int6
     const int is_facet = !is_whole && block->dim == s->dim;
     if (is_facet)
         return m ? PLANISH_OK : add_side(s, k, index, at, part);
-    s->has_others = 1;
+    s->has_others[k] = 1;
     if (!m)
         return PLANISH_OK;
     const side_nodes nodes = is_whole ? all : nodes_of_part(s, block, at, part);
@@ -212,14 +223,13 @@ static int make_facet(sets *s, const set_side *side, int32_t entity) {
     const side_nodes nodes = nodes_of_part(s, block, side->at, side->part);
     const io_list list = io_model_list(r->model, block->list);
     const int64_t number = io_list_number(&list, block->at + side->at);
-    const int has_mids = nodes.n > nodes.corners;
     if (nodes.corners < MOST_CORNERS)
-        return io_model_add_simplex(r->model, io_simplex_type(nodes.corners - 1, has_mids),
+        return io_model_add_simplex(r->model,
+                                    io_simplex_type(nodes.corners - 1, nodes.n > nodes.corners),
                                     nodes.node, entity, number, r->error);
     r->model->n_other++;
-    return io_model_add_other(r->model,
-                              has_mids ? PLANISH_CELL_QUADRILATERAL8 : PLANISH_CELL_QUADRILATERAL,
-                              nodes.node, entity, number, r->error);
+    return io_model_add_other(r->model, io_cell_type(IO_QUADRILATERAL, nodes.n), nodes.node, entity,
+                              number, r->error);
 }
 
 /** Make facets of all sides that have been noted: one of those with the same corners. */
@@ -275,8 +285,8 @@ static int make_node_entities(sets *s) {
     for (int pass = 0; pass < 2 && !status; pass++) {
         for (int64_t k = 0; k < s->nodes.n && !status; k++)
             status = take_nodes(s, k, &m);
-        for (int64_t k = 0; k < s->sides.n && s->has_others && !status; k++)
-            status = take_sides(s, k, &m);
+        for (int64_t k = 0; k < s->sides.n && !status; k++)
+            status = s->has_others[k] ? take_sides(s, k, &m) : PLANISH_OK;
         if (pass == 0 && !status)
             status = io_memberships_counted(&m, r->error);
     }
@@ -302,6 +312,9 @@ int exodus_read_sets(exodus_reader *r) {
         status = exodus_labels_read(r, "ss_prop1", "ss_names", &s.sides);
     if (!status && s.nodes.n + s.sides.n > INT32_MAX - 1)
         status = netcdf_fail(r->file, "ss_prop1", "there are too many sets");
+    s.has_others = status ? NULL : pl_alloc_zero(s.sides.n, 1);
+    if (!status && !s.has_others)
+        status = pl_fail_memory(r->error, "the side sets");
     for (int64_t k = 0; k < s.sides.n && !status; k++)
         status = take_sides(&s, k, NULL);
     /* Before there are facets: sides of shells are found in the lists of flat elements. */
@@ -313,9 +326,10 @@ int exodus_read_sets(exodus_reader *r) {
         status = exodus_labels_name(r, &s.nodes, k, 0);
     for (int64_t k = 0; k < s.sides.n && !status; k++) {
         status = exodus_labels_name(r, &s.sides, k, s.dim - 1);
-        if (!status)
+        if (!status && s.has_others[k])
             status = exodus_labels_name(r, &s.sides, k, 0);
     }
+    pl_free(s.has_others);
     pl_free(s.side);
     exodus_labels_release(&s.nodes);
     exodus_labels_release(&s.sides);

@@ -304,6 +304,7 @@ static void lose_groups(const group_finder *f, io_losses *losses) {
     for (int64_t g = 0; g < f->out->n; g++)
         for (const char *c = f->out->group[g].name; c && *c; c++)
             is_replaced |= *c == '"' || (unsigned char)*c < ' ';
+    io_view_lose_references(f->view, losses);
     if (has_nodes)
         io_losses_add(losses, "groups of nodes");
     if (is_changed(f))

@@ -2,7 +2,8 @@
  *
  * Read are vertices, edges, triangles and tetrahedra with their references, elements of other types,
  * and which nodes anything else names: nodes of edges, of other elements and of Corners, Ridges and
- * Required... are held. All other keywords are passed over. Coordinates of version 1 are single
+ * Required... are held. All other keywords are passed over, which a
+ * conversion tells. Coordinates of version 1 are single
  * precision by definition (and read so by Mmg).
  *
  * Text: keywords, each with a count and that many records; '#' begins a comment.
@@ -22,9 +23,17 @@
 
 #include "base/status.h"
 
+#include <stdio.h>
+#include <string.h>
 #include <strings.h>
 
-enum { WORD_SIZE = 4, CODE_DIMENSION = 3, CODE_END = 54, LAST_VERSION = 4 };
+enum {
+    WORD_SIZE = 4,
+    CODE_DIMENSION = 3,
+    CODE_REQUIRED_VERTICES = 15,
+    CODE_END = 54,
+    LAST_VERSION = 4
+};
 
 /* ---- keywords ----------------------------------------------------------------------------- */
 
@@ -52,7 +61,7 @@ static const medit_keyword mesh_keywords[] = {
     {{"TrianglesP4", IO_TRIANGLE, 4, 15}, 91, MEDIT_ELEMENTS},
     {{"TetrahedraP4", IO_TETRAHEDRON, 4, 35}, 97, MEDIT_ELEMENTS},
     {{"Corners", IO_POINT, 1, 1}, 13, MEDIT_MARKED},
-    {{"RequiredVertices", IO_POINT, 1, 1}, 15, MEDIT_MARKED},
+    {{"RequiredVertices", IO_POINT, 1, 1}, CODE_REQUIRED_VERTICES, MEDIT_MARKED},
     {{"RequiredEdges", IO_LINE, 1, 1}, 16, MEDIT_MARKED},
     {{"RequiredTriangles", IO_TRIANGLE, 1, 1}, 17, MEDIT_MARKED},
     {{"RequiredTetrahedra", IO_TETRAHEDRON, 1, 1}, 12, MEDIT_MARKED},
@@ -66,6 +75,48 @@ static const medit_keyword mesh_keywords[] = {
     {{"TetrahedraP2Ordering", IO_TETRAHEDRON, 2, 4}, 133, MEDIT_ORDERING},
     {{"PeriodicVertices", IO_POINT, 1, 2}, 82, MEDIT_PAIRS},
 };
+
+/* Keywords that are passed over, by their codes in binary. */
+static const struct {
+    int code;
+    const char *name;
+} passed_over[] = {{14, "Ridges"},
+                   {20, "NormalAtVertices"},
+                   {59, "Tangents"},
+                   {60, "Normals"},
+                   {61, "TangentAtVertices"}};
+
+/** Note a keyword that no conversion carries over. */
+static int note_name(const medit_reader *r, const char *name, int64_t length) {
+    enum { MOST_NAMES = 100, MOST_NAME = 64 }; /* a damaged file has any words */
+    io_names *names = &r->model->not_carried;
+    if (names->n >= MOST_NAMES ||
+        io_names_add(names, name, length < MOST_NAME ? length : MOST_NAME))
+        return PLANISH_OK;
+    return pl_fail_memory(r->error, "the keywords of the file");
+}
+
+/** Note a keyword that is passed over: by its name in text, by its code in binary. */
+static int note_passed_over(const medit_reader *r, io_slice name, int64_t code) {
+    char text[32];
+    if (!r->model->is_binary)
+        return note_name(r, name.begin, io_slice_length(name));
+    snprintf(text, sizeof text, "keyword %d", (int)code);
+    for (size_t i = 0; i < sizeof passed_over / sizeof *passed_over; i++)
+        if (passed_over[i].code == code)
+            snprintf(text, sizeof text, "%s", passed_over[i].name);
+    return note_name(r, text, (int64_t)strlen(text));
+}
+
+/** Note a section, and its keyword if no conversion carries that over: nodes alone stay held. */
+static int add_section(medit_reader *r, io_section section) {
+    const medit_keyword *k = &r->keywords[section.keyword];
+    const int is_lost = k->kind == MEDIT_MARKED && k->code != CODE_REQUIRED_VERTICES;
+    const int status = is_lost && section.count > 0
+                           ? note_name(r, k->type.name, (int64_t)strlen(k->type.name))
+                           : PLANISH_OK;
+    return status ? status : io_sections_add(&r->sections, section, r->error);
+}
 
 /** Find the keyword of that name in text, or of that code in binary, and check that it may stand
  *  at that place. *keyword is -1 if it means nothing to planish. */
@@ -123,6 +174,12 @@ static int check_counts(const medit_reader *r, const char *end) {
     return status;
 }
 
+/** Return whether the count of a section is 0. */
+static int begins_with_0(io_cursor cursor) {
+    int64_t count;
+    return io_integer(&cursor, &count) == 0 && count == 0;
+}
+
 /** Go from keyword to keyword, over what is between them. */
 static int walk_text(medit_reader *r) {
     const io_model *model = r->model;
@@ -150,13 +207,14 @@ static int walk_text(medit_reader *r) {
             status = set_dimension(r, cursor.at, number);
         else if (keyword >= 0)
             status = check_count(r, cursor, keyword, number);
+        else if (!begins_with_0(cursor))
+            status = note_passed_over(r, word, 0);
         if (status)
             return status;
         const char *data = cursor.at;
         io_skip_numbers(&cursor);
         if (keyword >= 0)
-            status = io_sections_add(&r->sections,
-                                     (io_section){keyword, number, data, cursor.at, 0}, r->error);
+            status = add_section(r, (io_section){keyword, number, data, cursor.at, 0});
         if (status)
             return status;
     }
@@ -244,8 +302,12 @@ static int walk_binary(medit_reader *r) {
         if (status)
             return status;
         at = next;
-        if (keyword < 0)
+        if (keyword < 0) {
+            const int is_empty =
+                next - data == r->integer_size && load_integer(r, data, r->integer_size) == 0;
+            status = is_empty ? PLANISH_OK : note_passed_over(r, (io_slice){NULL, NULL}, code);
             continue;
+        }
         if (next - data < r->integer_size)
             return io_fail_at(model, data, r->error,
                               "there is no room for the number of %s before the next keyword",
@@ -254,8 +316,7 @@ static int walk_binary(medit_reader *r) {
         data += r->integer_size;
         status = check_count(r, (io_cursor){data, next}, keyword, count);
         if (!status)
-            status = io_sections_add(&r->sections, (io_section){keyword, count, data, next, 0},
-                                     r->error);
+            status = add_section(r, (io_section){keyword, count, data, next, 0});
     }
     return status;
 }

@@ -86,6 +86,7 @@ static void put_required(io_writer *writer, const io_view *view) {
 static void list_losses(const io_view *view, const io_view_blocks *blocks, io_losses *losses) {
     io_view_lose_types(types, blocks, losses);
     io_view_lose_groups(view, losses);
+    io_view_lose_tags(view, blocks, 0, 0, losses);
     io_view_lose_numbers(view, losses);
     io_view_lose_fields(view, losses);
 }

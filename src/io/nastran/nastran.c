@@ -3,7 +3,7 @@
  *
  * The file is walked card by card: once to count the GRIDs and to meet what cannot be read, once
  * for the GRIDs, once for the elements (which may stand before their GRIDs). Cards that are none of
- * these are passed over.
+ * these are passed over; their names are kept, as conversions tell them.
  *
  * A number takes 8 or 16 characters, so that coordinates are rounded to the narrowest field that a
  * GRID of the file has before they are judged.
@@ -153,6 +153,13 @@ static int fail_card(const reader *r, const nastran_card *c, const char *what) {
     return io_fail_at(r->model, c->line.text.begin, r->error, "%s: %s", c->name, what);
 }
 
+/** Note a card that no conversion carries over. */
+static int note_not_carried(reader *r, nastran_card *c) {
+    return io_names_add(&r->model->not_carried, c->name, (int64_t)strlen(c->name))
+               ? PLANISH_OK
+               : pl_fail_memory(r->error, "the cards of the file");
+}
+
 /** Read a whole number, 0 if the field is empty. Return 0, or -1 if it is none. */
 static int parse_number(io_slice field, int64_t *value) {
     *value = 0;
@@ -295,7 +302,7 @@ static int count_card(reader *r, nastran_card *c) {
         while (c->n < NASTRAN_FIRST_COORDINATE && nastran_take_field(c, &field))
             if (c->n == NASTRAN_FIRST_COORDINATE && parse_number(field, &r->default_system))
                 return fail_card(r, c, "the coordinate system is not a whole number");
-    return PLANISH_OK;
+    return is_named(c, "GRID") ? PLANISH_OK : note_not_carried(r, c);
 }
 
 /* ---- second walk: grids ------------------------------------------------------------------- */
@@ -535,6 +542,12 @@ static int read_element(reader *r, nastran_card *c) {
     static const card_kind other_element = {"C...", LISTED, 2, 0, 0, 0},
                            other_rigid = {"R...", LISTED, 1, 0, 0, 0};
     const card_kind *k = find_kind(c->name);
+    if (k && (k->kind == SHAPE || k->kind == RING))
+        return read_shape(r, k, c);
+    if (k && k->kind == CELL)
+        return read_cell(r, k, c);
+    if (note_not_carried(r, c))
+        return PLANISH_ERROR_MEMORY;
     if (!k && c->name[0] != 'C' && c->name[0] != 'R')
         return PLANISH_OK;
     for (size_t i = 0; !k && i < sizeof no_elements / sizeof *no_elements; i++)
@@ -542,9 +555,7 @@ static int read_element(reader *r, nastran_card *c) {
             return PLANISH_OK;
     if (!k)
         k = c->name[0] == 'C' ? &other_element : &other_rigid;
-    if (k->kind == SHAPE || k->kind == RING)
-        return read_shape(r, k, c);
-    return k->kind == CELL ? read_cell(r, k, c) : hold_fields(r, k, c);
+    return hold_fields(r, k, c);
 }
 
 static int compare_ranges(const void *a, const void *b) {
@@ -631,6 +642,8 @@ static int read_pieces(reader *r) {
         status = walk(r, "CRMP", read_element);
     if (!status)
         hold_ranges(r);
+    if (!status) /* all letters that no walk before had */
+        status = walk(r, "ADEFHIJKLNOQSTUVWXYZ", note_not_carried);
     for (int64_t i = 0; i < r->n_pieces && !status; i++)
         status = read_names(r, r->piece[i]);
     return status;

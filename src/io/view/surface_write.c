@@ -63,6 +63,11 @@ static int find_nodes(surface_out *s, planish_error *error) {
     return PLANISH_OK;
 }
 
+/** Whether a name has '_' in place of a character: names are one word. */
+static int is_replaced(char c) {
+    return (unsigned char)c <= ' ';
+}
+
 /** Put the name of the set of a block: its first group, or its number; in one word. */
 static void put_name(surface_out *s, const io_view_block *block) {
     const io_model *model = s->view->model;
@@ -74,7 +79,7 @@ static void put_name(surface_out *s, const io_view_block *block) {
     const char *name = model->group[g].name;
     const int length = io_view_name_length(name, IO_VIEW_MOST_NAME);
     for (int i = 0; i < length; i++)
-        io_put_bytes(&s->writer, (unsigned char)name[i] <= ' ' ? "_" : name + i, 1);
+        io_put_bytes(&s->writer, is_replaced(name[i]) ? "_" : name + i, 1);
 }
 
 static void put_place(surface_out *s, int32_t node, const char *lead) {
@@ -212,6 +217,21 @@ static void put_ply(surface_out *s) {
 
 /* ---- the formats --------------------------------------------------------------------------- */
 
+/** Note names of facets that are other words now, some of which may be the same. */
+static void lose_blanks(const io_model *model, io_losses *losses) {
+    int64_t n = 0;
+    for (int32_t g = 0; g < model->n_groups; g++) {
+        const char *c = model->group[g].name;
+        while (*c && !is_replaced(*c))
+            c++;
+        n += model->group[g].dim == 2 && *c;
+    }
+    if (n > 0)
+        io_losses_add(losses,
+                      "blanks and control characters (now '_') in the names of %" PRId64 " group%s",
+                      n, n > 1 ? "s" : "");
+}
+
 static void list_losses(const surface_out *s, int has_names, io_losses *losses) {
     const io_view *view = s->view;
     int64_t n_curved = 0;
@@ -225,10 +245,17 @@ static void list_losses(const surface_out *s, int has_names, io_losses *losses) 
         io_losses_add(losses, "%" PRId64 " solid elements and lines", view->n_cells - s->n_facets);
     if (n_curved > 0)
         io_losses_add(losses, "mids of %" PRId64 " elements", n_curved);
-    if (has_names)
+    if (s->n_nodes < view->model->n_nodes)
+        io_losses_add(losses, "%" PRId64 " nodes that are corners of no facet",
+                      view->model->n_nodes - s->n_nodes);
+    if (has_names) {
+        lose_blanks(view->model, losses);
         io_view_lose_others(view, losses);
-    else
+        io_view_lose_tags(view, &s->blocks, 1, 1, losses);
+    } else {
         io_view_lose_groups(view, losses);
+        io_view_lose_references(view, losses);
+    }
     io_view_lose_numbers(view, losses);
     io_view_lose_fields(view, losses);
 }

@@ -229,15 +229,23 @@ void io_losses_add(io_losses *losses, const char *format, ...) {
     va_end(arguments);
 }
 
-void io_view_lose_groups(const io_view *view, io_losses *losses) {
-    const io_model *model = view->model;
-    int several = 0;
-    for (int32_t i = 0; i < model->n_entities; i++)
-        several |= model->entity[i].n_physical > 1;
-    if (model->n_groups > 0)
-        io_losses_add(losses, "names of groups");
-    if (several)
+static void lose_further(int is_lost, io_losses *losses) {
+    if (is_lost)
         io_losses_add(losses, "all but the first group of elements that are in several");
+}
+
+/** Return whether entities from a dimension on have several numbers of groups. */
+static int have_several(const io_model *model, int dim) {
+    int several = 0;
+    for (int32_t e = 0; e < model->n_entities; e++)
+        several |= model->entity[e].dim >= dim && model->entity[e].n_physical > 1;
+    return several;
+}
+
+void io_view_lose_groups(const io_view *view, io_losses *losses) {
+    if (view->model->n_groups > 0)
+        io_losses_add(losses, "names of groups");
+    lose_further(have_several(view->model, 0), losses);
 }
 
 void io_view_lose_ends(const io_model *model, io_losses *losses) {
@@ -248,19 +256,43 @@ void io_view_lose_ends(const io_model *model, io_losses *losses) {
         io_losses_add(losses, "the ends of names of more than %d bytes", IO_VIEW_MOST_NAME);
 }
 
-void io_view_lose_others(const io_view *view, io_losses *losses) {
+void io_view_lose_references(const io_view *view, io_losses *losses) {
     const io_model *model = view->model;
-    int n_of_nodes = 0, n_several = 0;
+    int is_lost = 0;
+    for (int32_t i = 0; i < model->n_entities && model->node_entity; i++) {
+        const io_entity *e = &model->entity[i];
+        const int is_numbered =
+            e->dim == 0 && !model->groups_by_name && (e->n_physical > 0 || e->tag != 0);
+        is_lost |= is_numbered && io_view_next_group(view, i, -1) < 0;
+    }
+    if (is_lost)
+        io_losses_add(losses, "references of nodes");
+}
+
+void io_view_lose_nodes(const io_view *view, io_losses *losses) {
+    const io_model *model = view->model;
+    int n_of_nodes = 0;
     for (int64_t i = 0; i < model->n_groups; i++)
         n_of_nodes += model->group[i].dim == 0;
-    for (int32_t e = 0; e < model->n_entities; e++) {
-        const int32_t first = model->entity[e].dim > 0 ? io_view_next_group(view, e, -1) : -1;
-        n_several += first >= 0 && io_view_next_group(view, e, first) >= 0;
-    }
     if (n_of_nodes > 0)
         io_losses_add(losses, "groups of nodes");
-    if (n_several > 0)
-        io_losses_add(losses, "all but the first group of elements that are in several");
+    io_view_lose_references(view, losses);
+}
+
+void io_view_lose_further(const io_view *view, io_losses *losses) {
+    io_view_lose_nodes(view, losses);
+    lose_further(have_several(view->model, 1), losses);
+}
+
+void io_view_lose_others(const io_view *view, io_losses *losses) {
+    const io_model *model = view->model;
+    int several = 0;
+    for (int32_t e = 0; e < model->n_entities; e++) {
+        const int32_t first = model->entity[e].dim > 0 ? io_view_next_group(view, e, -1) : -1;
+        several |= first >= 0 && io_view_next_group(view, e, first) >= 0;
+    }
+    io_view_lose_nodes(view, losses);
+    lose_further(several, losses);
     io_view_lose_ends(model, losses);
 }
 

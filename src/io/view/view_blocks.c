@@ -164,6 +164,33 @@ void io_view_blocks_release(io_view_blocks *blocks) {
 
 /* ---- losses -------------------------------------------------------------------------------- */
 
+int io_view_loses_tag(const io_view *view, const io_view_block *block, int64_t number,
+                      int has_names) {
+    const io_model *model = view->model;
+    const io_entity *e = block->entity >= 0 ? &model->entity[block->entity] : NULL;
+    int is_lost = 0;
+    if (!e || model->groups_by_name || e->n_physical == 0)
+        return 0;
+    if (!has_names)
+        return e->physical[0] != number;
+    for (int k = 0; k < e->n_physical; k++)
+        is_lost |=
+            e->physical[k] != number && io_view_first_group(view, e->dim, e->physical[k]) < 0;
+    return is_lost;
+}
+
+void io_view_lose_tags(const io_view *view, const io_view_blocks *blocks, int has_properties,
+                       int has_names, io_losses *losses) {
+    int is_lost = 0;
+    for (int64_t b = 0; b < blocks->n; b++) {
+        const io_view_block *block = &blocks->block[b];
+        const int32_t number = has_properties ? block->property : block->reference;
+        is_lost |= io_view_loses_tag(view, block, number, has_names);
+    }
+    if (is_lost)
+        io_losses_add(losses, "numbers of groups");
+}
+
 void io_view_lose_types(const io_view_type *table, const io_view_blocks *blocks,
                         io_losses *losses) {
     int64_t n_cut = 0, n_gone = 0;

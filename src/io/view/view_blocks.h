@@ -2,6 +2,7 @@
  *
  *   io_view_block, io_view_blocks_make, _release   the blocks
  *   io_view_lose_types                             elements that a format does not have
+ *   io_view_lose_tags, io_view_loses_tag           numbers of groups that it does not have
  */
 #ifndef PL_IO_VIEW_VIEW_BLOCKS_H
 #define PL_IO_VIEW_VIEW_BLOCKS_H
@@ -36,6 +37,15 @@ typedef struct io_view_blocks {
 int io_view_blocks_make(const io_view *view, io_view_blocks *blocks, planish_error *error);
 /** Release blocks. */
 void io_view_blocks_release(io_view_blocks *blocks);
+
+/** Return whether a block that has a number is in a group of another one, which has no name; where the
+ *  format has no names: whether its first group has another number. */
+int io_view_loses_tag(const io_view *view, const io_view_block *block, int64_t number,
+                      int has_names);
+
+/** Note that for all blocks, which have their references or (has_properties) their properties. */
+void io_view_lose_tags(const io_view *view, const io_view_blocks *blocks, int has_properties,
+                       int has_names, io_losses *losses);
 
 /** Note how many elements lose nodes, or are left out, because of the types in a format's table. */
 void io_view_lose_types(const io_view_type *table, const io_view_blocks *blocks, io_losses *losses);

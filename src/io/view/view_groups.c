@@ -39,8 +39,7 @@ static int32_t find_from(const io_view *view, int dim, int32_t tag, int32_t grou
 /** Set the bytes of all groups of a number, of which that one is the first; bytes of groups of one
  *  number are equal. */
 static void mark_number(const io_view *view, int32_t first, uint8_t *mark) {
-    const io_group *of = view->model->group;
-    for (int32_t g = first; g >= 0 && !mark[g]; g = find_from(view, of[g].dim, of[g].tag, g + 1))
+    for (int32_t g = first; g >= 0 && !mark[g]; g = io_view_next_of_number(view, g))
         mark[g] = 1;
 }
 

@@ -276,6 +276,7 @@ int vtk_arrays_begin(const io_view *view, io_losses *losses, vtk_out_arrays *a,
     add_numbers(view, 0, a->point_data, &a->n_point_data);
     add_cell_data(view, a);
     add_fields(view, losses, a);
+    io_view_lose_further(view, losses);
     return PLANISH_OK;
 }
 

@@ -59,7 +59,8 @@ typedef struct vtk_out_arrays {
     int n_point_data, n_cell_data;
 } vtk_out_arrays;
 
-/** Find the arrays of a view, which must stay while they are used. To be ended in any case. */
+/** Find the arrays of a view, which must stay while they are used, and what they lack. To be ended in any
+ *  case. */
 int vtk_arrays_begin(const io_view *view, io_losses *losses, vtk_out_arrays *arrays,
                      planish_error *error);
 /** Release the lists of arrays. */
