@@ -188,8 +188,8 @@ typedef struct planish_mesh {
                                   - groups of more than 64 nodes
                                   - groups with a translation of only one pair
                                   - groups with a translation beyond the 64th */
-    const double *min_volume;  /* [n_elements] minimum volume (area in 2-D) of each element, 0 or more
-                                  and finite; 0: that of the options. NULL: 0 for all */
+    const double *min_volume;  /* [n_elements] minimum volume (area in 2-D) of each element, finite,
+                                  0 or more; 0: that of the options. NULL: 0 for all */
     const int64_t *elements64; /* [n_elements][dim + 1] in place of elements (which is NULL then);
                                   a plan keeps a copy of 32 bits of those that it works on */
     /* Coordinate d of node i is coordinates[i * node_stride + d * component_stride], here and in
@@ -223,8 +223,8 @@ typedef struct planish_mesh {
        matter (planish_options.size_weight makes sizes count). All elements are then measured by mean
        ratios, as with cells of several types: mu is that of T = A W^-1, where A and W are the edges
        of a corner here and there (docs/targets.md). Only planish_plan_create, planish_measure_cells,
-       planish_measure_layers and planish_measure_sizes read this array. Every corner of a smoothed element must be positive
-       there. Not possible with part or periodic. */
+       planish_measure_layers and planish_measure_sizes read this array. Every corner of a smoothed element
+       must be positive there. Not possible with part or periodic. */
     const double *reference;
     /* [n_elements] not 0: the element belongs to a layer, as planish_find_layers finds them. NULL:
        layers do not count. If no element is marked, neither layers nor reference count. The target of
@@ -242,7 +242,8 @@ typedef struct planish_mesh {
        has (docs/targets.md). planish_options.size_weight says how much sizes count; it must be above 0.
        Only planish_plan_create and planish_measure_sizes read this array. planish_measure compares with
        the sizes at the places that elements had when the plan was made, or after the plan's last
-       smoothing. Sizes are positive and finite, and none is larger than 1e12 times another. Not with is_layer, part, or periodic. */
+       smoothing. Sizes are positive and finite, and none is larger than 1e12 times another. Not with
+       is_layer, part, or periodic. */
     const double *size;
     /* [n_nodes][dim (dim + 1) / 2] or NULL: like size, but lengths depend on the direction. An edge e
        should have e^T M e = 1, where M is the symmetric matrix m11, m12, m22, m13, m23, m33 of the
@@ -825,8 +826,8 @@ PLANISH_API void planish_fit_destroy(planish_fit *fit);
 /** Move the nodes of mesh to their places, as far as elements stay valid. The call works in rounds, and
  *  smooths the other nodes between them; nodes on the other surface slide along it. Elements may get
  *  worse,
- *  but none becomes invalid. mesh is the mesh of fit; coordinates have its strides. options (NULL:
- *  defaults)
+ *  but none becomes invalid. mesh is the mesh of fit; coordinates have its strides, and may
+ *  differ from those of an earlier call. options (NULL: defaults)
  *  are as for planish_smooth, except that project, shape, method, worst, max_sweeps, only_worse_than and
  *  around are ignored, and bounds hold for the smoothing only; progress is called in its sweeps. time_limit is for
  *  the
