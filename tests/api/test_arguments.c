@@ -185,13 +185,13 @@ static void wrong_options_are_refused(void **state) {
 
 /** Minimum volumes of elements are finite, 0 or more. */
 static void negative_volumes_are_refused(void **state) {
-    static const double wrong[] = {-1, NAN, INFINITY};
+    static const double refused[] = {-1, NAN, INFINITY};
     test_mesh box;
     planish_plan *plan;
     (void)state;
     test_mesh_box(&box, 2, 2);
     for (int i = 0; i < 3; i++) {
-        double volume[8] = {0, 0, 0, wrong[i]};
+        double volume[8] = {0, 0, 0, refused[i]};
         planish_error error;
         box.mesh.min_volume = volume;
         assert_int_equal(planish_plan_create(&box.mesh, NULL, &plan, &error), PLANISH_ERROR_MESH);
