@@ -188,8 +188,8 @@ typedef struct planish_mesh {
                                   - groups of more than 64 nodes
                                   - groups with a translation of only one pair
                                   - groups with a translation beyond the 64th */
-    const double *min_volume;  /* [n_elements] minimum volume (area in 2-D) of each element, finite;
-                                  0: that of the options. NULL: 0 for all */
+    const double *min_volume;  /* [n_elements] minimum volume (area in 2-D) of each element, finite,
+                                  0 or more; 0: that of the options. NULL: 0 for all */
     const int64_t *elements64; /* [n_elements][dim + 1] in place of elements (which is NULL then);
                                   a plan keeps a copy of 32 bits of those that it works on */
     /* Coordinate d of node i is coordinates[i * node_stride + d * component_stride], here and in
@@ -223,9 +223,9 @@ typedef struct planish_mesh {
        regular. The target of each element is its shape there; its place, rotation and size do not
        matter (planish_options.size_weight makes sizes count). All elements are then measured by mean
        ratios, as with cells of several types: mu is that of T = A W^-1, where A and W are the edges
-       of a corner here and there (docs/targets.md). Only planish_plan_create and
-       planish_measure_cells read this array. Every corner of a smoothed element must be positive
-       there. Not possible with part or periodic. */
+       of a corner here and there (docs/targets.md). Only planish_plan_create, planish_measure_cells,
+       planish_measure_layers and planish_measure_sizes read this array. Every corner of a smoothed element
+       must be positive there. Not possible with part or periodic. */
     const double *reference;
     /* [n_elements] not 0: the element belongs to a layer, as planish_find_layers finds them. NULL:
        layers do not count. If no element is marked, neither layers nor reference count. The target of
@@ -241,9 +241,10 @@ typedef struct planish_mesh {
        of an element while it moves. Elements should be regular, with these sizes relative to one
        another: one factor scales all sizes so that the domain would hold the number of elements that it
        has (docs/targets.md). planish_options.size_weight says how much sizes count; it must be above 0.
-       Only planish_plan_create reads this array. planish_measure compares with the sizes at the places
-       that elements had when the plan was made, or after the plan's last smoothing. Sizes are positive
-       and finite, and none is larger than 1e12 times another. Not with is_layer, part, or periodic. */
+       Only planish_plan_create and planish_measure_sizes read this array. planish_measure compares with
+       the sizes at the places that elements had when the plan was made, or after the plan's last
+       smoothing. Sizes are positive and finite, and none is larger than 1e12 times another. Not with
+       is_layer, part, or periodic. */
     const double *size;
     /* [n_nodes][dim (dim + 1) / 2] or NULL: like size, but lengths depend on the direction. An edge e
        should have e^T M e = 1, where M is the symmetric matrix m11, m12, m22, m13, m23, m33 of the
@@ -483,8 +484,9 @@ PLANISH_API int planish_rank_region_name(const char *name);
  *  whole numbers within 64 bits, at least two values differ, and at most half of the facets between
  *  two elements lie between different values. Its name may decide (planish_rank_region_name): an array
  *  of -1 does not tell regions; of the arrays above 0 the one with the lowest rank does if its
- *  values differ. The mesh's coordinates are not used. threads: as in planish_options. Errors, with
- *  arrays untouched: _ARGUMENT, _MESH, _MEMORY, _PARTS (mesh->part: ask for the whole mesh). */
+ *  values differ. The mesh's coordinates are not used. mesh may be a surface in space; its facets are
+ *  then the edges of elements. threads: as in planish_options. Errors, with arrays untouched: _ARGUMENT,
+ *  _MESH, _MEMORY, _PARTS (mesh->part: ask for the whole mesh). */
 PLANISH_API int planish_find_regions(const planish_mesh *mesh, planish_cell_array *arrays,
                                      int n_arrays, int threads, planish_error *error);
 
@@ -500,9 +502,10 @@ PLANISH_API int planish_combine_regions(int64_t n_elements, const planish_cell_a
 
 /** Find the nodes between regions: is_between [n_nodes] is filled with 1 for nodes whose elements
  *  have different numbers in region [n_elements], else with 0. *n_between (may be NULL) counts the
- *  ones. Hold these nodes (PLANISH_CONSTRAINT_FIXED) to keep interfaces where they are. A part of a
- *  mesh finds the nodes between its own elements. threads: as in planish_options. Errors:
- *  _ARGUMENT, _MESH, _MEMORY. */
+ *  ones. Hold these nodes (PLANISH_CONSTRAINT_FIXED) to keep interfaces where they are. mesh may be a
+ *  surface in space; there a shape made with planish_surface.region keeps interfaces, too, and their
+ *  nodes slide along them. A part of a mesh finds the nodes between its own elements. threads: as in
+ *  planish_options. Errors: _ARGUMENT, _MESH, _MEMORY. */
 PLANISH_API int planish_find_interfaces(const planish_mesh *mesh, const int32_t *region,
                                         int threads, uint8_t *is_between, int64_t *n_between,
                                         planish_error *error);
@@ -825,8 +828,8 @@ PLANISH_API void planish_fit_destroy(planish_fit *fit);
 /** Move the nodes of mesh to their places, as far as elements stay valid. The call works in rounds, and
  *  smooths the other nodes between them; nodes on the other surface slide along it. Elements may get
  *  worse,
- *  but none becomes invalid. mesh is the mesh of fit; coordinates have its strides. options (NULL:
- *  defaults)
+ *  but none becomes invalid. mesh is the mesh of fit; coordinates have its strides, and may
+ *  differ from those of an earlier call. options (NULL: defaults)
  *  are as for planish_smooth, except that project, shape, method, worst, max_sweeps, only_worse_than and
  *  around are ignored, and bounds hold for the smoothing only; progress is called in its sweeps. time_limit is for
  *  the
@@ -1295,6 +1298,7 @@ PLANISH_API int planish_progress_get_coordinates(const planish_progress *progres
 /** Smooth coordinates [n_nodes][3] (or as the mesh's strides say) of a mesh that is a surface in space:
  *  mesh->cells has triangles and quadrilaterals, and no solids. Nodes move along options->shape, which
  *  was made of the same cells. mesh->constraint says how; where it is FREE or NULL, the shape says.
+ *  ON_SURFACE nodes stay.
  *
  *  The objective F is the RMS of AR (RR of a mesh of triangles alone) over the elements. Promised:
  *  - Each facet stays within options->surface_tolerance of the shape, proved (planish_shape_measure
@@ -1310,8 +1314,8 @@ PLANISH_API int planish_progress_get_coordinates(const planish_progress *progres
  *  Nodes of elements of order 2 stay. Elements that have turned over against the shape stay as they are,
  *  and so do their nodes.
  *
- *  options (not NULL): as for planish_plan_create and planish_smooth. Minimum volumes, Laplacian methods and
- *  PLANISH_OBJECTIVE_EDGE_RATIO are errors; isa, bind and search have no effect. worst: for triangles
+ *  options (not NULL): as for planish_plan_create and planish_smooth. Minimum volumes, Laplacian methods,
+ *  PLANISH_OBJECTIVE_EDGE_RATIO and project are errors; isa, bind and search have no effect. worst: for triangles
  *  RADIUS_RATIO or ANGLE, else ASPECT_RATIO or SCALED_JACOBIAN. result may be NULL. Errors:
  *  _ARGUMENT, _MESH, _MEMORY, _PARTS; coordinates are then untouched. */
 PLANISH_API int planish_smooth_surface(const planish_mesh *mesh, double *coordinates,

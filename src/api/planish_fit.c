@@ -294,6 +294,8 @@ static int take(moving *m, const double *coordinates, planish_error *error) {
     memcpy(m->was_there, m->fit->is_there, (size_t)m->fit->n_nodes);
     if (mesh->constraint)
         memcpy(m->constraint, mesh->constraint, (size_t)mesh->n_nodes);
+    const pl_points points = pl_points_of(mesh, coordinates);
+    pl_fit_stay(m->fit, &points);
     constrain(m->fit, 1, m->constraint);
     m->mesh.constraint = m->constraint;
     m->mesh.coordinates = m->coordinates;
@@ -320,12 +322,12 @@ int planish_fit_move(planish_fit *fit, const planish_mesh *mesh, double *coordin
     moving m = {.fit = fit, .mesh = *mesh, .given = coordinates, .begin = pl_seconds()};
     planish_options_init(&m.options);
     m.options = options ? *options : m.options;
+    set_options(&m);
     int status = pl_options_check(&m.options, error);
     if (!status)
         status = check_fit(mesh, fit->own, fit->onto, 0, error);
     if (status)
         return status;
-    set_options(&m);
     const pl_outside outside = pl_call_enter(NULL);
     const pl_points points = pl_points_of(mesh, coordinates);
     status = pl_points_check(&points, fit->threads, error);

@@ -26,6 +26,7 @@ typedef struct shape_call {
     pl_outside outside;
     pl_dense dense;             /* the mesh, owned */
     const planish_cells *cells; /* that facets are of; NULL: simplices */
+    planish_mesh flat;          /* what mesh is, if the caller's is a surface that counts as flat */
 } shape_call;
 
 /** Whether a mesh in space is a surface. */
@@ -56,6 +57,37 @@ static int begin_call(const planish_mesh *mesh, int threads, int takes_surfaces,
     if (status)
         pl_call_leave(&call->outside);
     return status;
+}
+
+/** Check a surface in space, and set flat to the same elements in a plane, by x and y. */
+static int flatten(const planish_mesh *mesh, int threads, planish_mesh *flat,
+                   planish_error *error) {
+    const int status = pl_check_counts(mesh, error);
+    if (status)
+        return status;
+    const pl_points points = pl_points_of(mesh, mesh->coordinates);
+    *flat = (planish_mesh){.dim = 2,
+                           .n_nodes = mesh->n_nodes,
+                           .n_elements = mesh->n_elements,
+                           .coordinates = mesh->coordinates,
+                           .cells = mesh->cells,
+                           .node_stride = points.step,
+                           .component_stride = points.apart};
+    return pl_points_check(&points, threads, error);
+}
+
+/** Begin a call that asks which elements join, not where they are: a surface in space counts as flat. */
+static int begin_call_on_joints(const planish_mesh *mesh, int threads, shape_call *call,
+                                planish_error *error) {
+    if (!is_surface_mesh(mesh))
+        return begin_call(mesh, threads, 0, call, error);
+    int status = pl_check_threads(threads, error);
+    if (status)
+        return status;
+    const pl_outside outside = pl_call_enter(NULL);
+    status = flatten(mesh, pl_thread_count(threads), &call->flat, error);
+    pl_call_leave(&outside);
+    return status ? status : begin_call(&call->flat, threads, 0, call, error);
 }
 
 static void end_call(shape_call *call) {
@@ -178,7 +210,7 @@ int planish_find_regions(const planish_mesh *mesh, planish_cell_array *arrays, i
     if (mesh && mesh->part)
         return pl_fail(error, PLANISH_ERROR_PARTS,
                        "regions are found in the whole mesh, not in a part of it");
-    int status = begin_call(mesh, threads, 0, &call, error);
+    int status = begin_call_on_joints(mesh, threads, &call, error);
     if (status)
         return status;
     status = pl_check_cell_arrays(arrays, n_arrays, mesh->n_elements, error);
@@ -230,7 +262,7 @@ int planish_find_interfaces(const planish_mesh *mesh, const int32_t *region, int
     int64_t n = 0;
     if (!region || !is_between)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "region and is_between must not be NULL");
-    int status = begin_call(mesh, threads, 0, &call, error);
+    int status = begin_call_on_joints(mesh, threads, &call, error);
     if (status)
         return status;
     int32_t *taken = NULL;

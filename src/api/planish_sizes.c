@@ -143,10 +143,26 @@ int planish_measure_sizes(const planish_mesh *mesh, int threads, planish_size_qu
 
 /* ---- the mesh's own ---------------------------------------------------------------------------- */
 
+/** Add the length of a cell at its nodes, and count it there. */
+static void add_length(const sizes_call *c, int64_t cell, double length, double *size,
+                       int32_t *count) {
+    const planish_cells *cells = c->mesh.cells;
+    const int64_t number = number_of(c, cell);
+    const int k = c->mesh.dim + 1;
+    const int32_t *node =
+        cells ? cells->node + cells->offset[number] : c->dense.mesh.elements + number * k;
+    const int64_t n = cells ? cells->offset[number + 1] - cells->offset[number] : k;
+    for (int64_t i = 0; i < n; i++) {
+        if (node[i] < 0) /* a mid that is not there */
+            continue;
+        size[node[i]] += length;
+        count[node[i]]++;
+    }
+}
+
 /** Fill size with the mean lengths of the elements of each node. */
 static int find_own(sizes_call *c, double *size, planish_error *error) {
     const int64_t n = c->mesh.n_nodes;
-    const int k = c->mesh.dim + 1;
     double all = 0, n_all = 0;
     int32_t *count = pl_alloc_zero(n, sizeof *count);
     if (!count)
@@ -159,10 +175,7 @@ static int find_own(sizes_call *c, double *size, planish_error *error) {
             continue;
         all += length;
         n_all++;
-        for (int64_t i = first_of(c, cell) * k; i < first_of(c, cell + 1) * k; i++) {
-            size[c->dense.mesh.elements[i]] += length;
-            count[c->dense.mesh.elements[i]]++;
-        }
+        add_length(c, cell, length, size, count);
     }
     for (int64_t i = 0; i < n; i++)
         size[i] = count[i] > 0 ? size[i] / count[i] : n_all > 0 ? all / n_all : 1;

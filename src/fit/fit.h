@@ -7,8 +7,9 @@
  *   create.h     pl_fit_create, _destroy      the nodes, and the elements around them
  *   places.h     pl_fit_find_places           the other shape's places of the nodes
  *                pl_fit_project               the place near a point
+ *                pl_fit_is_place              whether a point is one
  *   move.h       pl_fit_round                 a step of all nodes, and then of each
- *                pl_fit_arrive                which nodes are at their places
+ *                pl_fit_arrive, pl_fit_stay   which nodes are at their places
  *   distance.h   pl_fit_measure               how far the surfaces are apart, both ways
  */
 #ifndef PL_FIT_FIT_H

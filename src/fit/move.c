@@ -5,6 +5,7 @@
 #include "fit/move.h"
 
 #include "base/parallel.h"
+#include "fit/places.h"
 #include "geometry/simplex.h"
 
 #include <math.h>
@@ -246,17 +247,47 @@ double pl_fit_round(planish_fit *fit, const pl_points *points, double *coordinat
     return most;
 }
 
+/* ---- where nodes are ------------------------------------------------------------------------- */
+
+/** Return how far a node is from its goal, and set x to where it is, in the mesh's units. */
+static double way_of(const planish_fit *fit, const pl_points *points, int32_t node, double x[3]) {
+    double way[3];
+    pl_fit_at(points, fit->own->node[node], 1, x);
+    pl_from_to(3, x, fit->goal[node], way);
+    return sqrt(pl_dot(3, way, way));
+}
+
+/** Whether a node so far from its goal is there. */
+static int is_at_goal(const planish_fit *fit, double off) {
+    return off <= ROUNDING * fit->onto->size / fit->onto->scale;
+}
+
+static void find_staying(void *context, int64_t begin, int64_t end, int thread) {
+    const step *s = context;
+    planish_fit *fit = s->fit;
+    (void)thread;
+    for (int32_t i = (int32_t)begin; i < end; i++) {
+        double x[3];
+        if (fit->state[i] == PL_FIT_PLACED && fit->is_there[i] &&
+            !is_at_goal(fit, way_of(fit, s->points, i, x)))
+            fit->is_there[i] = fit->slides[i] && pl_fit_is_place(fit, i, x);
+    }
+}
+
+void pl_fit_stay(planish_fit *fit, const pl_points *points) {
+    step s = {.fit = fit, .points = points};
+    pl_parallel_for(fit->threads, fit->n_nodes, CHUNK, find_staying, &s);
+}
+
 int64_t pl_fit_arrive(planish_fit *fit, const pl_points *points, double *farthest) {
     int64_t n = 0;
     double most = 0;
     for (int32_t i = 0; i < fit->n_nodes; i++) {
-        double x[3], way[3];
+        double x[3];
         if (!is_on_its_way(fit, i))
             continue;
-        pl_fit_at(points, fit->own->node[i], 1, x);
-        pl_from_to(3, x, fit->goal[i], way);
-        const double off = sqrt(pl_dot(3, way, way));
-        fit->is_there[i] = off <= ROUNDING * fit->onto->size / fit->onto->scale;
+        const double off = way_of(fit, points, i, x);
+        fit->is_there[i] = (uint8_t)is_at_goal(fit, off);
         if (fit->is_there[i])
             continue;
         n++;

@@ -9,6 +9,9 @@
  *  its way that a node has gone. */
 double pl_fit_round(planish_fit *fit, const pl_points *points, double *coordinates, double floor);
 
+/** Find which of the nodes that were there are still on the other shape: where nodes are now. */
+void pl_fit_stay(planish_fit *fit, const pl_points *points);
+
 /** Find which nodes are at their places. Returns how many are not; *farthest (may be NULL): of them from
  *  there, in the mesh's units. */
 int64_t pl_fit_arrive(planish_fit *fit, const pl_points *points, double *farthest);

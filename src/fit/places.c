@@ -19,7 +19,7 @@
 
 #include <string.h>
 
-enum { CHUNK = 64 };
+enum { CHUNK = 64, TRIALS = 32 };
 
 /* Facets of a place turn as the surface at the node: cosine of the angle at most between them. */
 #define ALIKE 0.2
@@ -35,6 +35,10 @@ enum { CHUNK = 64 };
 #define CORNER_CURVES 2
 /* So much of the votes decides which way a patch turns. */
 #define CLEAR 0.75
+/* What is off a place by no more than this is there, in edges of the node. */
+#define NEAR 0x1p-30
+/* Steps of a storage are sought from here on, in sizes of the other shape. */
+#define LEAST_STEP 0x1p-44
 
 /** A search for a place on the other shape. */
 typedef struct search {
@@ -458,6 +462,50 @@ static pl_place place_on_patch(const planish_fit *fit, int32_t node, const doubl
     return place;
 }
 
+/** Bring at, in onto's unit, to the place of a node near it, and set direction there. */
+static void project(const planish_fit *fit, int32_t node, double at[3], double direction[3]) {
+    pl_place place = fit->place[node];
+    if (fit->kind[node] == PL_ON_CURVE)
+        pl_shape_walk(fit->onto, PL_ON_CURVE, at, &place);
+    else
+        place = place_on_patch(fit, node, at);
+    pl_shape_point(fit->onto, fit->kind[node], &place, at, direction);
+}
+
+/** Return how far storing moves a coordinate, up to a factor of 2, in the mesh's units. */
+static double step_of_storage(const planish_fit *fit, double x) {
+    const double size = fit->onto->size / fit->onto->scale;
+    double step = LEAST_STEP * size;
+    if (fit->storage.precision == PLANISH_PRECISION_DOUBLE)
+        return 0;
+    while (step < size && pl_store(&fit->storage, x + step) == pl_store(&fit->storage, x))
+        step *= 2;
+    return step;
+}
+
+/* A place on a curved patch is projected to another one beside it. So points are sought that are projected to
+ * the place itself: what is missing there is added, until little is missing. */
+int pl_fit_is_place(const planish_fit *fit, int32_t node, const double x[3]) {
+    const double scale = fit->onto->scale;
+    double from[3], most = NEAR * fit->own->edge_length[node] / fit->to_own;
+    for (int d = 0; d < 3; d++) {
+        from[d] = x[d] * scale;
+        most += step_of_storage(fit, x[d]) * scale;
+    }
+    for (int i = 0; i < TRIALS; i++) {
+        double at[3], missing[3], direction[3];
+        memcpy(at, from, sizeof at);
+        project(fit, node, at, direction);
+        for (int d = 0; d < 3; d++) {
+            missing[d] = x[d] * scale - at[d];
+            from[d] += missing[d];
+        }
+        if (pl_length(missing) <= most)
+            return 1;
+    }
+    return 0;
+}
+
 planish_constraint pl_fit_project(const planish_fit *fit, int32_t node, double x[3],
                                   double direction[3]) {
     const planish_shape *onto = fit->onto;
@@ -466,12 +514,7 @@ planish_constraint pl_fit_project(const planish_fit *fit, int32_t node, double x
         return PLANISH_CONSTRAINT_FIXED;
     for (int d = 0; d < 3; d++)
         at[d] = x[d] * onto->scale;
-    pl_place place = fit->place[node];
-    if (fit->kind[node] == PL_ON_CURVE)
-        pl_shape_walk(onto, PL_ON_CURVE, at, &place);
-    else
-        place = place_on_patch(fit, node, at);
-    pl_shape_point(onto, fit->kind[node], &place, at, direction);
+    project(fit, node, at, direction);
     for (int d = 0; d < 3; d++)
         x[d] = pl_store(&fit->storage, at[d] / onto->scale);
     return fit->kind[node] == PL_ON_CURVE ? PLANISH_CONSTRAINT_ON_LINE

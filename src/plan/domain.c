@@ -28,7 +28,7 @@ static int copy_min_volumes(const pl_draft *d, planish_error *error) {
             return pl_fail_at(error, PLANISH_ERROR_MESH, element, -1,
                               "element %" PRId64
                               " has the minimum volume %g; give a finite number, "
-                              "0 for none",
+                              "0 or more (0: none)",
                               element, least);
         min_volume[i] = least;
     }

@@ -27,6 +27,10 @@ static int check_meaning(const pl_surface_run *r, planish_error *error) {
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "options.objective PLANISH_OBJECTIVE_EDGE_RATIO is not for surfaces in "
                        "space; give _RADIUS_RATIO or _MEAN_RATIO");
+    if (o->project)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "options.project is not for surfaces in space, whose nodes move along "
+                       "options.shape; give NULL");
     if (o->min_volume > 0 || o->min_volume_fraction > 0 || o->area_weight > 0)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "options.min_volume, min_volume_fraction and area_weight are not for "
@@ -41,16 +45,35 @@ static int check_meaning(const pl_surface_run *r, planish_error *error) {
     return PLANISH_OK;
 }
 
-/** Refuse constraints that there are not, and bounds that are no numbers. */
-static int check_nodes(const pl_surface_run *r, planish_error *error) {
-    const double *bounds[] = {r->options->lower, r->options->upper};
-    const uint8_t *constraint = r->mesh->constraint;
-    for (int64_t i = 0; constraint && i < r->mesh->n_nodes; i++)
-        if (constraint[i] > PLANISH_CONSTRAINT_ON_CURVE)
+/** Whether a node is to slide on a plane or line that mesh->direction does not tell. */
+static int lacks_direction(const planish_mesh *mesh, int64_t node) {
+    double unit[3];
+    return (mesh->constraint[node] == PLANISH_CONSTRAINT_ON_PLANE ||
+            mesh->constraint[node] == PLANISH_CONSTRAINT_ON_LINE) &&
+           !(mesh->direction && pl_unit(3, mesh->direction + 3 * node, unit));
+}
+
+/** Refuse constraints that there are not, and those that lack a direction. */
+static int check_constraints(const planish_mesh *mesh, planish_error *error) {
+    for (int64_t i = 0; mesh->constraint && i < mesh->n_nodes; i++) {
+        if (mesh->constraint[i] > PLANISH_CONSTRAINT_ON_CURVE)
             return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, i,
                               "mesh.constraint of node %" PRId64
                               " is %d; give a planish_constraint, 0 to %d",
-                              i, constraint[i], PLANISH_CONSTRAINT_ON_CURVE);
+                              i, mesh->constraint[i], PLANISH_CONSTRAINT_ON_CURVE);
+        if (lacks_direction(mesh, i))
+            return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, i,
+                              "node %" PRId64
+                              " slides, but mesh.direction has none for it; give the normal of its "
+                              "plane, or the direction of its line",
+                              i);
+    }
+    return PLANISH_OK;
+}
+
+/** Refuse bounds that are no numbers. */
+static int check_bounds(const pl_surface_run *r, planish_error *error) {
+    const double *bounds[] = {r->options->lower, r->options->upper};
     for (int which = 0; which < 2; which++)
         for (int64_t i = 0; bounds[which] && i < 3 * r->mesh->n_nodes; i++)
             if (isnan(bounds[which][i]))
@@ -59,6 +82,44 @@ static int check_nodes(const pl_surface_run *r, planish_error *error) {
                                   " is not a number; give a bound, or an infinite one for none",
                                   which ? "upper" : "lower", i / 3);
     return PLANISH_OK;
+}
+
+/** Whether node [n] has the three corners of a facet. */
+static int has_corners(const planish_shape *s, int64_t facet, const int32_t *node, int n) {
+    int has_all = 1;
+    for (int k = 0; k < 3; k++) {
+        int has_it = 0;
+        for (int j = 0; j < n; j++)
+            has_it |= node[j] == s->node[s->facet[facet][k]];
+        has_all &= has_it;
+    }
+    return has_all;
+}
+
+int pl_surface_check_elements(const planish_mesh *mesh, const planish_shape *shape,
+                              planish_error *error) {
+    const planish_cells *cells = mesh->cells;
+    int64_t facet = 0, i = 0;
+    for (; i < cells->n; i++) {
+        const pl_cell_type *type = pl_cell_type_of(cells->type[i]);
+        if (!type || type->shape->dim != 2)
+            continue;
+        const int n = type->shape->n_corners, is_quad = n == 4;
+        if (facet + is_quad >= shape->n_facets ||
+            (shape->half && shape->half[facet] != 0) != is_quad ||
+            !has_corners(shape, facet, cells->node + cells->offset[i], n))
+            break;
+        facet += 1 + is_quad;
+    }
+    if (i < cells->n)
+        return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, i, -1,
+                          "shape was not made of these elements: it has other ones from element "
+                          "%" PRId64 " on",
+                          i);
+    return facet == shape->n_facets
+               ? PLANISH_OK
+               : pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                         "shape was not made of these elements alone: it has more of them");
 }
 
 static int check_call(pl_surface_run *r, planish_error *error) {
@@ -72,9 +133,13 @@ static int check_call(pl_surface_run *r, planish_error *error) {
                        "options.shape was made of a mesh of %" PRId64 " nodes, mesh has %" PRId64
                        "; make it of this mesh",
                        r->shape->n_mesh, mesh->n_nodes);
-    int status = check_meaning(r, error);
+    int status = pl_surface_check_elements(mesh, r->shape, error);
     if (!status)
-        status = check_nodes(r, error);
+        status = check_meaning(r, error);
+    if (!status)
+        status = check_constraints(mesh, error);
+    if (!status)
+        status = check_bounds(r, error);
     if (status)
         return status;
     const pl_points points = pl_points_of(mesh, r->coordinates);
@@ -235,11 +300,9 @@ static planish_constraint set_slide(const pl_surface_run *r, int32_t node, pl_st
     const int64_t given = r->shape->node[node];
     *slide = (pl_star_slide){.kind = by, .node = (int32_t)given};
     memcpy(slide->point, r->x[node], sizeof slide->point);
-    if (by == PLANISH_CONSTRAINT_ON_PLANE || by == PLANISH_CONSTRAINT_ON_LINE) {
-        if (!r->mesh->direction || !pl_unit(3, r->mesh->direction + 3 * given, slide->direction))
-            slide->kind = PLANISH_CONSTRAINT_FIXED;
-    }
-    return slide->kind;
+    if (by == PLANISH_CONSTRAINT_ON_PLANE || by == PLANISH_CONSTRAINT_ON_LINE)
+        pl_unit(3, r->mesh->direction + 3 * given, slide->direction);
+    return by;
 }
 
 /** Make the skin of the stars. */

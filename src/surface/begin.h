@@ -4,6 +4,10 @@
 
 #include "surface/smooth.h"
 
+/** Check that shape was made of the elements of mesh. Errors: _ARGUMENT. */
+int pl_surface_check_elements(const planish_mesh *mesh, const planish_shape *shape,
+                              planish_error *error);
+
 /** Find the nodes that may move: moves [shape->n_nodes] becomes 0 or 1. */
 void pl_surface_find_moves(const planish_mesh *mesh, const planish_shape *shape, uint8_t *moves);
 

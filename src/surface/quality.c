@@ -98,8 +98,10 @@ static void lay_out_chunk(void *context, int64_t begin, int64_t end, int thread)
 /** List the elements that are facets; fails if they are not those of the shape. */
 static int list_cells(layout *l, planish_error *error) {
     const planish_cells *cells = l->mesh->cells;
-    const planish_shape *s = l->shape;
     int64_t facet = 0, flat = 0;
+    const int status = pl_surface_check_elements(l->mesh, l->shape, error);
+    if (status)
+        return status;
     l->cell = pl_alloc(cells->n, sizeof *l->cell);
     l->facet = pl_alloc(cells->n, sizeof *l->facet);
     l->begin = pl_alloc(cells->n + 1, sizeof *l->begin);
@@ -110,20 +112,6 @@ static int list_cells(layout *l, planish_error *error) {
         if (!type || type->shape->dim != 2)
             continue;
         const int is_quad = type->shape->n_corners == 4;
-        const int32_t *node = cells->node + cells->offset[i];
-        int is_same = facet + is_quad < s->n_facets && (s->half && s->half[facet] != 0) == is_quad;
-        for (int k = 0; is_same && k < 3; k++) {
-            const int32_t number = s->node[s->facet[facet][k]];
-            int is_there = 0;
-            for (int j = 0; j < type->shape->n_corners; j++)
-                is_there |= node[j] == number;
-            is_same = is_there;
-        }
-        if (!is_same)
-            return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, i, -1,
-                              "shape was not made of these elements: it has other ones from "
-                              "element %lld on",
-                              (long long)i);
         l->cell[l->n_cells] = (int32_t)i;
         l->facet[l->n_cells] = (int32_t)facet;
         l->begin[l->n_cells++] = (int32_t)flat;

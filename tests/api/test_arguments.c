@@ -183,6 +183,24 @@ static void wrong_options_are_refused(void **state) {
     test_mesh_destroy(&mesh);
 }
 
+/** Minimum volumes of elements are finite, 0 or more. */
+static void negative_volumes_are_refused(void **state) {
+    static const double refused[] = {-1, NAN, INFINITY};
+    test_mesh box;
+    planish_plan *plan;
+    (void)state;
+    test_mesh_box(&box, 2, 2);
+    for (int i = 0; i < 3; i++) {
+        double volume[8] = {0, 0, 0, refused[i]};
+        planish_error error;
+        box.mesh.min_volume = volume;
+        assert_int_equal(planish_plan_create(&box.mesh, NULL, &plan, &error), PLANISH_ERROR_MESH);
+        assert_int_equal(error.element, 3);
+        assert_non_null(strstr(error.text, "give a finite number, 0 or more"));
+    }
+    test_mesh_destroy(&box);
+}
+
 /* ---- reserved fields ------------------------------------------------------------------------- */
 
 /** Set the last reserved field of a structure. */
@@ -374,6 +392,7 @@ int main(void) {
         cmocka_unit_test_prestate(coordinates_are_numbers, &dims[1]),
         cmocka_unit_test(defaults_are_as_documented),
         cmocka_unit_test(smaller_options_are_not_overrun),
+        cmocka_unit_test(negative_volumes_are_refused),
         cmocka_unit_test(reserved_fields_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

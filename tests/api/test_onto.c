@@ -474,6 +474,89 @@ static void test_around(void **state) {
     free_fitted(&t);
 }
 
+/** Move x, with options that are ignored: all nodes come to their places. */
+static void move_again(planish_fit *f, const block *b, planish_precision precision, double *x) {
+    planish_options options = test_options(1);
+    planish_fit_info info;
+    planish_error error;
+    options.precision = precision;
+    options.method = PLANISH_METHOD_LAPLACIAN;
+    options.worst = PLANISH_WORST_ANGLE;
+    options.max_sweeps = -1;
+    if (planish_fit_move(f, &b->mesh, x, &options, &info, &error))
+        fail_msg("%s", error.text);
+    assert_int_equal(info.n_off, 0);
+}
+
+/** Smooth x along the other surface. Returns how many nodes of that have moved. */
+static int64_t slide_along(planish_fit *f, const block *b, planish_precision precision, double *x) {
+    planish_mesh mesh = b->mesh;
+    uint8_t *constraint = calloc((size_t)mesh.n_nodes, 1);
+    double *before = malloc(test_bytes_of(&mesh));
+    planish_options options = test_options(1);
+    planish_plan *plan;
+    int64_t n = 0;
+    planish_fit_constrain(f, constraint);
+    memcpy(before, x, test_bytes_of(&mesh));
+    mesh.coordinates = before;
+    mesh.constraint = constraint;
+    options.precision = precision;
+    options.project = planish_fit_project;
+    options.project_user = f;
+    assert_int_equal(planish_plan_create(&mesh, &options, &plan, NULL), 0);
+    assert_int_equal(planish_smooth(plan, x, &options, NULL, NULL), 0);
+    for (int64_t i = 0; i < mesh.n_nodes; i++)
+        n += constraint[i] == PLANISH_CONSTRAINT_ON_SURFACE &&
+             memcmp(x + 3 * i, before + 3 * i, 3 * sizeof *x) != 0;
+    planish_plan_destroy(plan);
+    free(before);
+    free(constraint);
+    return n;
+}
+
+static void expect_again(int is_tets, block_form form, int n, planish_precision precision) {
+    fitted t;
+    planish_fit *f;
+    planish_options options = test_options(1);
+    options.precision = precision;
+    make_fitted(is_tets, form, n, 0.95, 0.02, &t);
+    block_target_create(form, 2 * n, 1, 0, &t.fine);
+    double *x = t.b.given;
+    for (int64_t i = 0; i < 3 * t.b.mesh.n_nodes && precision == PLANISH_PRECISION_FLOAT; i++)
+        x[i] = (double)(float)x[i];
+    t.b.mesh.coordinates = x;
+    assert_int_equal(
+        planish_fit_create(&t.b.mesh, t.b.shape, t.fine.shape, 0, &options, &f, NULL, NULL), 0);
+    double *first = test_copy_of(&t.b.mesh), *slid, *again = test_copy_of(&t.b.mesh);
+    planish_mesh mesh = t.b.mesh;
+    move_again(f, &t.b, precision, first);
+    mesh.coordinates = first;
+    slid = test_copy_of(&mesh);
+    assert_true(slide_along(f, &t.b, precision, slid) > 10);
+    mesh.coordinates = slid;
+    double *same = test_copy_of(&mesh);
+    move_again(f, &t.b, precision, same);
+    assert_memory_equal(same, slid, test_bytes_of(&mesh));
+    move_again(f, &t.b, precision, again);
+    assert_memory_equal(again, first, test_bytes_of(&mesh));
+    planish_fit_destroy(f);
+    free(first);
+    free(slid);
+    free(same);
+    free(again);
+    block_destroy(&t.b);
+    block_target_destroy(&t.fine);
+}
+
+/** A fit moves the mesh wherever it is: nodes that have slid stay, and those that are off again go again. */
+static void test_again(void **state) {
+    (void)state;
+    expect_again(1, BLOCK_BALL, 3, PLANISH_PRECISION_DOUBLE);
+    expect_again(1, BLOCK_BALL, 4, PLANISH_PRECISION_FLOAT);
+    expect_again(0, BLOCK_CYLINDER, 4, PLANISH_PRECISION_DOUBLE);
+    expect_again(0, BLOCK_CYLINDER, 4, PLANISH_PRECISION_FLOAT);
+}
+
 /** Coordinates are finite, also if no node is on its way; what is refused stays. */
 static void test_not_finite(void **state) {
     (void)state;
@@ -493,10 +576,10 @@ static void test_not_finite(void **state) {
     assert_int_equal(planish_fit_move(f, &t.b.mesh, x, NULL, &info, &error), PLANISH_ERROR_MESH);
     assert_int_equal(error.node, 1);
     planish_options options = test_options(1);
-    options.max_sweeps = -1;
+    options.time_limit = -1;
     assert_int_equal(planish_fit_move(f, &t.b.mesh, x, &options, &info, &error),
                      PLANISH_ERROR_ARGUMENT);
-    assert_non_null(strstr(error.text, "options.max_sweeps is -1; give 0 or more"));
+    assert_non_null(strstr(error.text, "options.time_limit is -1; give seconds"));
     assert_int_equal(info.n_nodes, -1);
     assert_memory_equal(x, given, test_bytes_of(&t.b.mesh));
     free(x);
@@ -674,6 +757,7 @@ int main(void) {
         cmocka_unit_test(test_positions),
         cmocka_unit_test(test_wide),
         cmocka_unit_test(test_around),
+        cmocka_unit_test(test_again),
         cmocka_unit_test(test_not_finite),
         cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_random),

@@ -324,6 +324,42 @@ static void flat_elements_have_no_size(void **state) {
     assert_true(q.rms_log < 1e-12);
 }
 
+/** A node has the mean size of its elements, whether it is a corner or a mid. */
+static void mids_have_sizes(void **state) {
+    (void)state;
+    /* Two triangles of side 1, and two that are 4 times as wide, each pair a rectangle. */
+    double x[] = {0,  0,  1,  0,  1, 1, 0,  1, 5, 0, 5,  1, .5, 0, 1,
+                  .5, .5, .5, .5, 1, 0, .5, 3, 0, 5, .5, 3, .5, 3, 1},
+           size[15];
+    static const int32_t node[] = {0, 1, 2, 6,  7,  8,  0, 2, 3, 8,  9,  -1,
+                                   1, 4, 5, 11, 12, 13, 1, 5, 2, 13, 14, 7};
+    static const int64_t offset[] = {0, 6, 12, 18, 24};
+    static const uint8_t type[] = {22, 22, 22, 22};
+    const planish_cells cells = {.n = 4, .type = type, .offset = offset, .node = node};
+    const planish_mesh mesh = {
+        .dim = 2, .n_nodes = 15, .n_elements = 4, .coordinates = x, .cells = &cells};
+    const double small = sqrt(2 / sqrt(3)), large = 2 * small;
+    const double wanted[] = {small,
+                             (small + 2 * large) / 3,
+                             (2 * small + large) / 3,
+                             small,
+                             large,
+                             large,
+                             small,
+                             (small + large) / 2,
+                             small,
+                             small,
+                             (small + large) / 2,
+                             large,
+                             large,
+                             large,
+                             large};
+    planish_error error;
+    assert_int_equal(planish_find_sizes(&mesh, 1, size, &error), 0);
+    for (int i = 0; i < 15; i++) /* no element has node 10 */
+        assert_true(fabs(size[i] - wanted[i]) < 1e-12);
+}
+
 static void wrong_sizes_are_refused(void **state) {
     (void)state;
     static const struct {
@@ -371,6 +407,7 @@ int main(void) {
         cmocka_unit_test(one_size_makes_a_regular_mesh),
         cmocka_unit_test(minimum_volumes_are_kept),
         cmocka_unit_test(flat_elements_have_no_size),
+        cmocka_unit_test(mids_have_sizes),
         cmocka_unit_test(simplices_are_as_cells),
         cmocka_unit_test(wrong_sizes_are_refused),
     };

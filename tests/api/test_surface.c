@@ -549,15 +549,18 @@ static void test_snapshots_of_runs(void **unused) {
     destroy(&p);
 }
 
-/** Nodes at a facet that starts too far off stay, and those to which nobody says where to go. */
+/** Nodes at a facet that starts too far off stay, and a node on a plane stays in it. */
 static void test_held(void **unused) {
     static patchwork p;
     static uint8_t constraint[NODES], is_beside[NODES];
-    enum { OUT = 5 * ACROSS + 5, LOST = 40 * ACROSS + 5 };
+    enum { OUT = 5 * ACROSS + 5, LEVEL = 40 * ACROSS + 5 };
     (void)unused;
     make(&p, TORUS, 0, 0.3);
     p.mesh.constraint = constraint;
-    constraint[LOST] = PLANISH_CONSTRAINT_ON_PLANE; /* without a direction */
+    static double direction[NODES][3];
+    constraint[LEVEL] = PLANISH_CONSTRAINT_ON_PLANE;
+    direction[LEVEL][2] = 1;
+    p.mesh.direction = direction[0];
     p.x[OUT][2] += 0.3;
     memset(is_beside, 0, sizeof is_beside);
     for (int64_t f = 0; f < p.cells.n; f++) {
@@ -569,14 +572,13 @@ static void test_held(void **unused) {
     const uint8_t *held = find_held(&p);
     assert_memory_equal(p.x, p.given, sizeof p.x);
     for (int i = 0; i < NODES; i++)
-        assert_int_equal(held[i], i == LOST      ? PLANISH_HELD_BY_SURFACE
-                                  : is_beside[i] ? PLANISH_HELD_BY_TOLERANCE
-                                                 : PLANISH_HELD_BY_NONE);
+        assert_int_equal(held[i], is_beside[i] ? PLANISH_HELD_BY_TOLERANCE : PLANISH_HELD_BY_NONE);
     planish_result r;
     assert_int_equal(planish_smooth_surface(&p.mesh, p.x[0], &p.options, &r, NULL), 0);
     assert_true(r.n_moved_nodes > NODES / 2);
     for (int i = 0; i < NODES; i++)
         assert_true(!held[i] || !memcmp(p.x[i], p.given[i], sizeof *p.x));
+    assert_true(fabs(p.x[LEVEL][2] - p.given[LEVEL][2]) < 1e-12);
     destroy(&p);
 }
 
@@ -676,6 +678,32 @@ static void refuse(const patchwork *p, const planish_mesh *mesh, const planish_o
     assert_memory_equal(held, marked, sizeof held);
 }
 
+/** Refuse what says where a node may go, but is not heard or lacks a direction. */
+static void refuse_sliding(const patchwork *p, planish_mesh *mesh, uint8_t *constraint) {
+    static double direction[NODES][3];
+    planish_options o = p->options;
+    o.project = planish_fit_project;
+    refuse(p, &p->mesh, &o, "options.project");
+    constraint[9] = PLANISH_CONSTRAINT_ON_PLANE;
+    refuse(p, mesh, &p->options, "node 9 slides, but mesh.direction has none");
+    constraint[9] = PLANISH_CONSTRAINT_ON_LINE;
+    mesh->direction = direction[0];
+    refuse(p, mesh, &p->options, "node 9 slides, but mesh.direction has none");
+}
+
+/** Refuse a shape of other elements between the same nodes, and of more. */
+static void refuse_others(patchwork *p) {
+    planish_mesh mesh = p->mesh;
+    planish_cells cells = p->cells;
+    const int32_t first = p->node[6];
+    p->node[6] = p->node[40];
+    refuse(p, &mesh, &p->options, "it has other ones from element 2 on");
+    p->node[6] = first;
+    cells.n = mesh.n_elements = p->cells.n - 1;
+    mesh.cells = &cells;
+    refuse(p, &mesh, &p->options, "it has more of them");
+}
+
 static void test_refusals(void **unused) {
     static patchwork p, other;
     (void)unused;
@@ -709,6 +737,8 @@ static void test_refusals(void **unused) {
     planish_mesh mesh = p.mesh;
     mesh.constraint = constraint;
     refuse(&p, &mesh, &p.options, "mesh.constraint of node 9");
+    refuse_sliding(&p, &mesh, constraint);
+    refuse_others(&p);
     mesh = p.mesh;
     mesh.n_nodes = NODES - 1;
     refuse(&p, &mesh, &p.options, "node");

@@ -7,6 +7,7 @@ import pathlib
 import pickle
 import subprocess
 import tempfile
+import types
 import unittest
 import warnings
 
@@ -132,6 +133,37 @@ class Files(unittest.TestCase):
         self.same_as_the_program(path, ["--size-from", self.folder / "h.sol"], size_from=self.folder / "h.sol")
         with self.assertRaisesRegex(ValueError, "no such array|has no array|there are|'x'"):
             planish.smooth(planish.read(path), size="x")
+
+    def test_regions_of_surfaces_in_space(self):
+        """Nodes between regions slide along their curve, from arrays and meshes as from files."""
+        flat, cells, inside = box(2, cells=8, amount=0.25)
+        points = np.column_stack([flat, 0.03 * flat[:, 0]**2 + 0.02 * flat[:, 1]**2])
+        material = np.round(flat[cells]).min(axis=1)[:, 0] // 4
+        seam = inside & (np.round(flat[:, 0]) == 4)
+        path = self.write("surface.vtk", points, [("triangle", cells)])
+        self.write_data(path, "material", material, "CELL")
+        of_file, loose = planish.read(path), planish.read(path)
+        planish.smooth(of_file)
+        planish.smooth(loose, regions=None)
+        self.assertGreater(np.abs(loose.points - of_file.points)[seam].max(), 0.1)
+        by_name = types.SimpleNamespace(points=points.copy(), cell_data={"material": [material]},
+                                        cells=[types.SimpleNamespace(type="triangle", data=cells)])
+        planish.smooth(by_name)
+        np.testing.assert_array_equal(by_name.points, of_file.points)
+        self.assertEqual(planish.Shape(by_name).info.n_edges, planish.Shape(by_name, regions=None).info.n_edges + 8)
+        for taken, options in ((cells, {}), ({"triangle": cells}, {}),
+                               (cells, {"surface_of": planish.Shape(points, cells, regions=material)})):
+            again = points.copy()
+            planish.smooth(again, taken, regions=material, **options)
+            np.testing.assert_array_equal(again, of_file.points)
+        again = points.copy()
+        planish.smooth(again, cells, regions=material, surface_of=planish.Shape(points, cells))
+        np.testing.assert_array_equal(again[seam], points[seam])
+        self.assertTrue((again[inside & ~seam] != points[inside & ~seam]).any())
+        with self.assertRaisesRegex(ValueError, "one number for each"):
+            planish.smooth(points.copy(), cells, regions=material[:-1])
+        with self.assertRaisesRegex(ValueError, "no array of cells 'bent'"):
+            planish.smooth(by_name, regions="bent")
 
     @staticmethod
     def write_sol(path, values):

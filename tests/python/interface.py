@@ -51,7 +51,7 @@ class Keywords(unittest.TestCase):
     def test_words_are_the_programs(self):
         """Each keyword is an option of the program, but for those of arrays."""
         text = (PACKAGE.parents[1] / "options" / "options.c").read_text()
-        options = {name.replace("-", "_") for name in re.findall(r'\{(?:0|\'.\'), "([a-z-]+)"', text)}
+        options = {name.replace("-", "_") for name in re.findall(r'\{(?:[A-Z_]+, )?(?:0|\'.\'), "([a-z-]+)"', text)}
         own = {"around", "rounding", "untangle", "progress", "bind"}
         self.assertEqual(set(keywords(planish.smooth)) - options, own - {"bind"})
 

@@ -363,6 +363,73 @@ static void cells_have_regions(void **state) {
         }
 }
 
+/** Halves and a chessboard of squares, and what the library says of them. */
+typedef struct answers {
+    int is_region[2];
+    int64_t n_between;
+    uint8_t is_between[(CELLS + 1) * (CELLS + 1)];
+} answers;
+
+static answers ask(const planish_mesh *mesh, const double *flat) {
+    int32_t half[2 * CELLS * CELLS], odd[2 * CELLS * CELLS];
+    answers a = {.n_between = -1};
+    planish_error error = {.text = ""};
+    for (int64_t i = 0; i < mesh->cells->n; i++) {
+        const int32_t *node = mesh->cells->node + mesh->cells->offset[i];
+        double low[2] = {CELLS, CELLS};
+        for (int64_t k = 0; k < mesh->cells->offset[i + 1] - mesh->cells->offset[i]; k++)
+            for (int d = 0; d < 2; d++)
+                low[d] = fmin(low[d], flat[2 * node[k] + d]);
+        half[i] = low[0] < CELLS / 2;
+        odd[i] = (int)(low[0] + low[1]) % 2;
+    }
+    planish_cell_array arrays[] = {{.name = "x", .values = odd, .type = PLANISH_NUMBER_INT32},
+                                   {.name = "y", .values = half, .type = PLANISH_NUMBER_INT32}};
+    if (planish_find_regions(mesh, arrays, 2, 2, &error) ||
+        planish_find_interfaces(mesh, half, 2, a.is_between, &a.n_between, &error))
+        fail_msg("%s", error.text);
+    a.is_region[0] = arrays[0].is_region;
+    a.is_region[1] = arrays[1].is_region;
+    return a;
+}
+
+static void expect_same(answers a, answers b) {
+    assert_memory_equal(a.is_region, b.is_region, sizeof a.is_region);
+    assert_memory_equal(a.is_between, b.is_between, sizeof a.is_between);
+    assert_int_equal(a.n_between, b.n_between);
+}
+
+/** A surface in space has the regions of the same elements in a plane. */
+static void surfaces_in_space_have_regions(void **state) {
+    enum { N = (CELLS + 1) * (CELLS + 1), PADDED = 5 };
+    (void)state;
+    for (int kind = BOX_QUADRILATERALS; kind <= BOX_MIXED_2D; kind++) {
+        cell_box *box = cell_box_create((cell_box_kind)kind, CELLS);
+        double x[PADDED * N] = {0}, dense[3 * N];
+        planish_mesh mesh = box->mesh;
+        planish_error error;
+        assert_int_equal(mesh.n_nodes, N);
+        for (int i = 0; i < N; i++) {
+            const double place[] = {0, box->x[2 * i], box->x[2 * i] * box->x[2 * i + 1]};
+            memcpy(x + PADDED * i, place, sizeof place);
+            memcpy(dense + 3 * i, place, sizeof place);
+        }
+        const answers flat = ask(&mesh, box->x);
+        assert_true(flat.is_region[1] && !flat.is_region[0]);
+        assert_int_equal(flat.n_between, CELLS + 1);
+        mesh.dim = 3;
+        mesh.coordinates = dense;
+        expect_same(ask(&mesh, box->x), flat);
+        mesh.coordinates = x;
+        mesh.node_stride = PADDED;
+        expect_same(ask(&mesh, box->x), flat);
+        x[PADDED * 7 + 2] = NAN;
+        assert_int_equal(planish_find_regions(&mesh, NULL, 0, 1, &error), PLANISH_ERROR_MESH);
+        assert_int_equal(error.node, 7);
+        cell_box_destroy(box);
+    }
+}
+
 /** Facets of few cells decide: of four hexahedra in a row two facets are the same, one differs. */
 static void facets_of_cells_are_counted(void **state) {
     (void)state;
@@ -469,6 +536,7 @@ int main(void) {
         cmocka_unit_test(many_regions_are_numbered),
         cmocka_unit_test(nodes_between_are_found),
         cmocka_unit_test(cells_have_regions),
+        cmocka_unit_test(surfaces_in_space_have_regions),
         cmocka_unit_test(facets_of_cells_are_counted),
         cmocka_unit_test(nonsense_is_refused),
         cmocka_unit_test(memory_may_be_short),

@@ -142,7 +142,8 @@ class Plan:
                 their elements
             regions: hold the nodes between regions (materials): an array [m] of whole numbers, or names of arrays of
                 the cell data. Left out: all arrays of the cell data that look like regions, by the program's rule
-                (docs/algorithm.md). None: let these nodes move
+                (docs/algorithm.md). None: let these nodes move. On a surface in space, which smooth and quality take,
+                the nodes slide along the curves between regions
             rounding: distance, in the units of points, of a straight edge's mid from the middle that counts as
                 rounding; None: what floats leave
             layers: "hold" the nodes of boundary layers, "ignore" the layers, or "keep" their heights while nodes move

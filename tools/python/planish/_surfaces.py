@@ -13,6 +13,7 @@ from ._choices import PlanChoices, RunChoices, set_run
 from ._elements import is_triangles
 from ._files import Mesh, opened
 from ._library import call, library, new_options, threads_to_use, whole
+from ._regions import nodes_between
 from ._results import CellQuality, Quality, Result
 from ._run import watched
 from ._shapes import Shape, shape_for
@@ -20,8 +21,9 @@ from ._structures import Options
 from ._view import View
 from ._views import Holding, Source, surface_in_space
 
-_OF_PLAN = {"fix", "threads", "only_worse_than", "rings", "surface_of", "crease_angle", "slide", "layers"}
-_OF_FILES = {"regions", "slide_tolerance"}
+_PATCH = 1  # planish_shape_class
+_OF_PLAN = {"fix", "regions", "threads", "only_worse_than", "rings", "surface_of", "crease_angle", "slide", "layers"}
+_OF_FILES = {"slide_tolerance"}
 _OF_RUN = {"objective", "worst_measure", "worst_rise", "surface_tolerance", "max_displacement", "box", "max_sweeps",
            "tolerance", "time_limit", "progress"}
 
@@ -67,9 +69,17 @@ class SpaceSurface:
         shape = shape_for(source, opened(choices.surface_of), choices.regions, choices.crease_angle, choices.threads)
         return cls(view, shape)
 
+    def _hold_off_curves(self) -> None:
+        """Fix the nodes between regions that are on no curve, as the shape was made without these regions."""
+        if self.view.region is not None:
+            lost = nodes_between(self.view, self.view.region) & (self.shape.classes() == _PATCH)
+            if lost.any():
+                self.view.fix(lost)
+
     def _find_slides(self, choices: PlanChoices) -> None:
-        """Find the nodes of a file's surface that slide. On a surface of arrays all nodes slide that nothing fixes."""
+        """Find the nodes that slide. On a surface of arrays all do that neither regions nor anything else holds."""
         is_sliding, is_curved, groups = choices.slides()
+        self._hold_off_curves()
         surface = self.view.surface()
         is_everywhere = choices.slide is None or is_curved or not is_sliding or bool(groups)
         surface.shape = self.shape.pointer().value if is_everywhere else None
@@ -93,8 +103,7 @@ class SpaceSurface:
         """Smooth the surface in place."""
         view, result = self.view, Result()
         _check(source, choices, run, view.has_types())
-        if isinstance(source.points, Mesh):
-            self._find_slides(choices)
+        self._find_slides(choices)
         options = self._options(choices, run)
         taken = Points(source.array, 3, view.points.strides, writes=True)
         view.set_storage(options, taken)

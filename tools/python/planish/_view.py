@@ -89,9 +89,9 @@ class View:
     def surface(self) -> Surface:
         """Return the planish_surface: regions, tagged facets and edges."""
         found = Surface(region=address(self.region))
-        facets, edges = self.elements.tagged("facets"), self.elements.tagged("edges")
         if self.dim > self.elements.dim:
-            return Surface()
+            return found
+        facets, edges = self.elements.tagged("facets"), self.elements.tagged("edges")
         self._kept["surface"] = facets, edges
         if facets:
             found.n_facets, found.facets, found.facet_tag = (

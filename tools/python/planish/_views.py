@@ -102,6 +102,7 @@ def surface_in_space(source: Source, holding: Holding, threads: int) -> Optional
     view = View(points, elements, 3, threads)
     view.fix(np.zeros(0, dtype=np.int64))
     _hold(view, source, Holding(holding.fix))
+    take_regions(view, holding.regions, False)
     return view
 
 
@@ -112,5 +113,7 @@ def view_of_shape(source: Source, regions: Any, threads: int) -> View:
         return view_in_space(mesh, threads) if mesh.dim == 2 else _of_file(mesh, Holding(None, regions, True), threads)
     elements, points = source.elements, source.array
     if elements.dim == 2 and np.ndim(points) == 2 and np.shape(points)[1] >= 3:
-        return View(points, elements, 3, threads)
+        view = View(points, elements, 3, threads)
+        take_regions(view, regions, False)
+        return view
     return _of_elements(source, elements, Holding(None, regions, True), threads)
