@@ -500,12 +500,12 @@ PLANISH_API int planish_combine_regions(int64_t n_elements, const planish_cell_a
                                         int n_arrays, int32_t *region, int64_t *n_regions,
                                         planish_error *error);
 
-/** Find the nodes between regions: is_between [n_nodes] is filled with 1 for nodes whose elements
- *  have different numbers in region [n_elements], else with 0. *n_between (may be NULL) counts the
- *  ones. Hold these nodes (PLANISH_CONSTRAINT_FIXED) to keep interfaces where they are. mesh may be a
- *  surface in space; there a shape made with planish_surface.region keeps interfaces, too, and their
- *  nodes slide along them. A part of a mesh finds the nodes between its own elements. threads: as in
- *  planish_options. Errors: _ARGUMENT, _MESH, _MEMORY. */
+/** Find the nodes between regions: is_between [n_nodes] is filled with 1 for nodes, mids too, whose
+ *  elements have different numbers in region [n_elements], else with 0. *n_between (may be NULL)
+ *  counts the ones. Hold these nodes (PLANISH_CONSTRAINT_FIXED) to keep interfaces where they are.
+ *  mesh may be a surface in space; there a shape made with planish_surface.region keeps interfaces,
+ *  too, and their nodes slide along them. A part of a mesh finds the nodes between its own
+ *  elements. threads: as in planish_options. Errors: _ARGUMENT, _MESH, _MEMORY. */
 PLANISH_API int planish_find_interfaces(const planish_mesh *mesh, const int32_t *region,
                                         int threads, uint8_t *is_between, int64_t *n_between,
                                         planish_error *error);

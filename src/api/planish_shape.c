@@ -265,11 +265,8 @@ int planish_find_interfaces(const planish_mesh *mesh, const int32_t *region, int
     int status = begin_call_on_joints(mesh, threads, &call, error);
     if (status)
         return status;
-    int32_t *taken = NULL;
-    status = take_regions(&call, &region, &taken, error);
-    if (!status)
-        status = pl_find_interfaces(&call.dense.mesh, region, is_between, &n, error);
-    pl_free(taken);
+    status = pl_find_interfaces(call.mesh->cells ? call.mesh : &call.dense.mesh, region, is_between,
+                                &n, error);
     end_call(&call);
     if (!status && n_between)
         *n_between = n;

@@ -383,28 +383,49 @@ int pl_combine_regions(int64_t n_elements, const planish_cell_array *arrays, int
 
 /* ---- interfaces --------------------------------------------------------------------------- */
 
-int pl_find_interfaces(const planish_mesh *mesh, const int32_t *region, uint8_t *is_between,
-                       int64_t *n, planish_error *error) {
-    enum { UNSEEN = 0, BETWEEN = 1, SEEN = 2 };
-    const int corners = mesh->dim + 1;
-    int32_t *of_node = pl_alloc(mesh->n_nodes, sizeof *of_node);
-    if (!of_node)
-        return pl_fail_memory(error, "the regions of nodes");
-    memset(is_between, UNSEEN, (size_t)mesh->n_nodes);
-    for (int64_t i = 0; i < mesh->n_elements * corners; i++) {
-        const int32_t node = mesh->elements[i], own = region[i / corners];
-        if (is_between[node] == UNSEEN) {
-            is_between[node] = SEEN;
-            of_node[node] = own;
-        } else if (of_node[node] != own) {
-            is_between[node] = BETWEEN;
+enum { UNSEEN = 0, BETWEEN = 1, SEEN = 2 };
+
+/** Nodes of elements that have been seen. */
+typedef struct interfaces {
+    int32_t *of_node;    /* [n_nodes] region of the first element */
+    uint8_t *is_between; /* [n_nodes] UNSEEN, ... */
+} interfaces;
+
+/** Note n nodes (-1: none) of an element of a region. */
+static void note_element(const interfaces *f, const int32_t *node, int64_t n, int32_t region) {
+    for (int64_t k = 0; k < n; k++) {
+        if (node[k] < 0)
+            continue;
+        uint8_t *is_between = &f->is_between[node[k]];
+        if (*is_between == UNSEEN) {
+            *is_between = SEEN;
+            f->of_node[node[k]] = region;
+        } else if (f->of_node[node[k]] != region) {
+            *is_between = BETWEEN;
         }
     }
+}
+
+int pl_find_interfaces(const planish_mesh *mesh, const int32_t *region, uint8_t *is_between,
+                       int64_t *n, planish_error *error) {
+    const planish_cells *cells = mesh->cells;
+    const interfaces f = {pl_alloc(mesh->n_nodes, sizeof *f.of_node), is_between};
+    if (!f.of_node)
+        return pl_fail_memory(error, "the regions of nodes");
+    memset(is_between, UNSEEN, (size_t)mesh->n_nodes);
+    for (int64_t i = 0; cells && i < cells->n; i++) {
+        const pl_cell_type *type = pl_cell_type_of(cells->type[i]);
+        if (type && type->shape->dim == mesh->dim)
+            note_element(&f, cells->node + cells->offset[i],
+                         cells->offset[i + 1] - cells->offset[i], region[i]);
+    }
+    for (int64_t i = 0; !cells && i < mesh->n_elements; i++)
+        note_element(&f, mesh->elements + i * (mesh->dim + 1), mesh->dim + 1, region[i]);
     *n = 0;
     for (int64_t i = 0; i < mesh->n_nodes; i++) {
         is_between[i] = is_between[i] == BETWEEN;
         *n += is_between[i];
     }
-    pl_free(of_node);
+    pl_free(f.of_node);
     return PLANISH_OK;
 }

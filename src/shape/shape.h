@@ -95,8 +95,9 @@ int pl_find_regions(const planish_mesh *mesh, planish_cell_array *arrays, int n_
 int pl_combine_regions(int64_t n_elements, const planish_cell_array *arrays, int n_arrays,
                        int32_t *found, int64_t *n_regions, planish_error *error);
 
-/** Find the nodes with elements of several regions: is_between [n_nodes] becomes 1 for them, 0 for
- *  the others, and *n their number. region [n_elements]. Errors: _MEMORY. */
+/** Find the nodes with elements of several regions, mids among them: is_between [n_nodes] becomes 1
+ *  for them, 0 for the others, and *n their number. mesh: that of cells as the caller has it, or a dense one.
+ *  region [n_elements]. Errors: _MEMORY. */
 int pl_find_interfaces(const planish_mesh *mesh, const int32_t *region, uint8_t *is_between,
                        int64_t *n, planish_error *error);
 

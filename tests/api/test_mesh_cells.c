@@ -300,6 +300,8 @@ static void regions_go_by_cells(void **state) {
             assert_int_equal(
                 planish_find_interfaces(&p.mesh, arrays[0].values, 2, of_cells, &n[1], NULL), 0);
             assert_memory_equal(plain, of_cells, (size_t)p.plain.n_nodes);
+            for (int64_t i = p.plain.n_nodes; i < p.mesh.n_nodes; i++)
+                n[0] += of_cells[i]; /* mids */
             assert_true(n[0] == n[1] && n[0] > 0);
             free((void *)arrays[0].values);
             free((void *)arrays[1].values);
@@ -448,6 +450,27 @@ static void quadrilaterals_fix_their_corners(void **state) {
     test_mesh_destroy(&box);
 }
 
+/** Two tetrahedra of second order: the nodes between them are three corners and three mids. */
+static void mids_are_between_regions(void **state) {
+    (void)state;
+    static const double x[14][3] = {{0, 0, 0},   {1, 0, 0},   {0, 1, 0},   {0, 0, 1},  {1, 1, 1},
+                                    {.5, 0, 0},  {.5, .5, 0}, {0, .5, 0},  {0, 0, .5}, {.5, 0, .5},
+                                    {0, .5, .5}, {1, .5, .5}, {.5, 1, .5}, {.5, .5, 1}};
+    static const int32_t node[] = {0, 1, 2, 3, 5, 6, 7, 8, 9, 10, 1, 2, 3, 4, 6, 10, 9, 11, 12, 13};
+    static const int64_t offset[] = {0, 10, 20};
+    static const uint8_t type[] = {PLANISH_CELL_TETRAHEDRON10, PLANISH_CELL_TETRAHEDRON10};
+    static const int32_t region[] = {7, -3};
+    static const uint8_t wanted[14] = {0, 1, 1, 1, 0, 0, 1, 0, 0, 1, 1, 0, 0, 0};
+    const planish_cells cells = {.n = 2, .type = type, .offset = offset, .node = node};
+    const planish_mesh mesh = {
+        .dim = 3, .n_nodes = 14, .n_elements = 2, .coordinates = x[0], .cells = &cells};
+    uint8_t is_between[14];
+    int64_t n = 0;
+    assert_int_equal(planish_find_interfaces(&mesh, region, 1, is_between, &n, NULL), 0);
+    assert_int_equal(n, 6);
+    assert_memory_equal(is_between, wanted, sizeof wanted);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(smoothing_gives_the_same_bits),
@@ -457,6 +480,7 @@ int main(void) {
         cmocka_unit_test(regions_go_by_cells),
         cmocka_unit_test(straight_edges_let_nodes_slide),
         cmocka_unit_test(periodic_pairs_of_mids_are_passed_over),
+        cmocka_unit_test(mids_are_between_regions),
         cmocka_unit_test(facets_have_any_number_of_nodes),
         cmocka_unit_test(quadrilaterals_fix_their_corners),
     };

@@ -36,7 +36,20 @@ static int is_corner(const planish_mesh *mesh, int64_t node) {
     return whole || half;
 }
 
-/** As expect_box, of any cells; mids are free, as they follow. axis: of the cut. */
+/** Whether a node is in the middle of an edge. */
+static int is_edge_mid(const planish_mesh *mesh, int64_t node) {
+    int any = 0;
+    for (int64_t i = 0; i < mesh->cells->n; i++) {
+        const pl_cell_type *type = pl_cell_type_of(mesh->cells->type[i]);
+        const int64_t first = mesh->cells->offset[i] + type->shape->n_corners;
+        for (int e = 0; type->order > 1 && e < type->shape->n_edges; e++)
+            any |= mesh->cells->node[first + e] == node;
+    }
+    return any;
+}
+
+/** As expect_box, of any cells. Mids are free, as they follow, but those of the cut: they have a constraint, so that
+ *  they do not move on their own. axis: of the cut. */
 static void expect_box_of_cells(const planish_mesh *mesh, const slides_found *f, int axis,
                                 double cut) {
     const int dim = mesh->dim;
@@ -44,6 +57,10 @@ static void expect_box_of_cells(const planish_mesh *mesh, const slides_found *f,
     for (int64_t i = 0; i < mesh->n_nodes; i++) {
         const double *x = mesh->coordinates + i * dim;
         int crosses[3] = {0};
+        if (!is_corner(mesh, i) && x[axis] == cut && is_edge_mid(mesh, i)) {
+            assert_int_not_equal(f->constraint[i], PLANISH_CONSTRAINT_FREE);
+            continue;
+        }
         for (int d = 0; d < dim && is_corner(mesh, i); d++)
             crosses[d] = slides_is_side(x[d]) || (d == axis && x[d] == cut);
         slides_expect_node(f, i, dim, crosses);
