@@ -23,7 +23,8 @@
  * OpenFOAM are folders: give the path of the folder. Calls on different files may run at the same
  * time, except on HDF5 files (CGNS, MED, VTKHDF, DMPlex, Exodus, XDMF), unless the HDF5 library is
  * built for threads. The error convention is that of planish.h; the text names the file, the line or
- * byte, and says what to do. Functions that cannot fail return 0, NULL or -1 if file or path is NULL.
+ * byte, and says what to do. Functions that cannot fail return 0, NULL, -1 or
+ * an empty list if file or path is NULL.
  */
 #ifndef PLANISH_IO_H
 #define PLANISH_IO_H
