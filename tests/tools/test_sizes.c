@@ -35,7 +35,8 @@ static int read_sizes(const char *text, pl_arguments *arguments, pl_sizes *sizes
 }
 
 static int read_array(const char *text, pl_sizes *sizes) {
-    pl_arguments arguments = {.size = "h", .library.size_weight = 0.5};
+    pl_arguments arguments = {
+        .command = PL_COMMAND_SMOOTH, .size = "h", .library.size_weight = 0.5};
     return read_sizes(text, &arguments, sizes);
 }
 
@@ -76,7 +77,9 @@ static void sizes_that_are_none(void **state) {
     expect_refused(FLAT NODES "SCALARS h double\n1 nan 4 16 1\n");
     expect_refused(FLAT NODES "SCALARS h double\n1 2e12 4 16 1\n");
     expect_refused(FLAT CELLS "SCALARS h double\n1 0\n");
-    expect_refused(FLAT CELLS "SCALARS g double\n1 1\n");
+    pl_sizes none;
+    assert_int_equal(read_array(FLAT CELLS "SCALARS g double\n1 1\n", &none), PL_EXIT_USAGE);
+    pl_sizes_free(&none);
     expect_refused(FLAT NODES "FIELD f 1\nh 2 5 double\n1 1 1 1 1 1 1 1 1 1\n");
     expect_refused(FLAT NODES "VECTORS h double\n1 1 1 1 1 1 1 1 1 1 1 1 1 1 1\n");
 }
