@@ -214,11 +214,14 @@ static int follows(const trial *t, int32_t mid, int32_t a, int32_t b, double sla
     return is;
 }
 
-/** Mids between regions follow their ends, and do not move on their own. A shape has its own judge. */
+/** Mids between regions follow their ends, and do not move on their own, if planish_find_slides was asked. A shape has
+ *  its own judge. */
 static void check_interfaces(const trial *t) {
     const cells_call *c = t->call;
     const cell_box *box = c->box;
-    uint8_t *of = c->region && !c->shape ? calloc((size_t)box->mesh.n_nodes, 1) : NULL;
+    const int how = c->level[CELLS_CONSTRAINT],
+              is_told = how != CELLS_SOME_FIXED && how != CELLS_ANY;
+    uint8_t *of = c->region && !c->shape && is_told ? calloc((size_t)box->mesh.n_nodes, 1) : NULL;
     double largest = 0;
     if (!of)
         return;
