@@ -68,7 +68,7 @@ static int cells_are_kept(const pl_run *r, const pl_joint_room *w) {
 
 /* ---- steps ---------------------------------------------------------------------------------- */
 
-/** Return the least measure where the nodes are now; -1 if the nodes may not be there. Once it is not
+/** Return the least measure where the nodes are now; -INFINITY if the nodes may not be there. Once it is not
  *  above enough it is of no interest. */
 static double least_now(const pl_joint *joint, pl_joint_room *w, double enough) {
     const pl_run *r = joint->run;
@@ -83,19 +83,19 @@ static double least_now(const pl_joint *joint, pl_joint_room *w, double enough) 
         w->work++;
         pl_joint_find_vertices(joint, &e->of, x);
         if (pl_joint_determinant_of(dim, (const double(*)[3])x, &certain) < e->floor || !certain)
-            return -1;
+            return -INFINITY;
         const int n = pl_joint_measures_of(r, raised, e->of.form, (const double(*)[3])x, 0, slope);
         for (int k = 0; k < n; k++) {
             if (e->is_pinned && !(slope[k].value >= e->least))
-                return -1;
+                return -INFINITY;
             if (raised == PL_JOINT_ANGLE && !(slope[k].value <= joint->largest_angle))
-                return -1;
+                return -INFINITY;
             least = !e->is_pinned && slope[k].value < least ? slope[k].value : least;
         }
         if (!(pl_joint_least_measure(r, other, e->of.form, (const double(*)[3])x) >= w->kept))
-            return -1;
+            return -INFINITY;
     }
-    return least > enough && !cells_are_kept(r, w) ? -1 : least;
+    return least > enough && !cells_are_kept(r, w) ? -INFINITY : least;
 }
 
 /** Add a row: value + slope . x is raised, or kept above 0; sign -1: of the slope's negative. */
@@ -267,7 +267,7 @@ static double step(const pl_joint *joint, pl_joint_room *w, double least, double
         if (!(p->t > NOTHING))
             break;
         const double enough = least + TAKEN * p->t;
-        const double now = move_nodes(joint, w, start) ? least_now(joint, w, enough) : -1;
+        const double now = move_nodes(joint, w, start) ? least_now(joint, w, enough) : -INFINITY;
         if (now > enough) {
             if (now > least + GOOD * p->t)
                 *radius = fmin(2 * *radius, RADIUS_MOST);

@@ -115,6 +115,25 @@ static void go_on(flood *w, int i) {
     }
 }
 
+/** Go on from facet to facet, as long as one is over the disc: shorter ways to a facet may be found late. n_own:
+ *  those of the node, which have been seen. */
+static void spread(flood *w, int n_own) {
+    uint8_t is_done[MOST_FACETS] = {0};
+    int n_seen = n_own;
+    for (int is_more = 1; is_more;) {
+        is_more = 0;
+        for (int i = 0; i < w->n; i++) {
+            while (n_seen <= i)
+                see(w, n_seen++);
+            if (is_done[i] || !(w->near[i] < w->square) || !is_upright((const double(*)[3])w->x[i]))
+                continue;
+            is_done[i] = 1;
+            is_more = 1;
+            go_on(w, i);
+        }
+    }
+}
+
 /** Flood the disc, which becomes smaller where it has to; 0: there is none. */
 static int flood_disc(flood *w, int32_t node) {
     const planish_shape *s = w->shape;
@@ -130,12 +149,7 @@ static int flood_disc(flood *w, int32_t node) {
             farthest = larger(pl_dot(2, w->x[i][k], w->x[i][k]), farthest);
     }
     w->square = REACH * REACH * farthest;
-    for (int i = 0; i < w->n; i++) {
-        if (i >= n_own)
-            see(w, i);
-        if (w->near[i] < w->square && is_upright((const double(*)[3])w->x[i]))
-            go_on(w, i);
-    }
+    spread(w, n_own);
     for (int i = 0; i < w->n; i++)
         if (w->near[i] < w->square && !is_upright((const double(*)[3])w->x[i]))
             w->square = w->near[i];

@@ -819,6 +819,31 @@ class Surfaces(unittest.TestCase):
                 planish.smooth(first.copy(), cells, **{"onto": other, **wrong})
         with planish.Plan(first.copy(), cells) as plan, self.assertRaisesRegex(ValueError, "without onto"):
             plan.fit_distance()
+        with planish.Shape(fine, faces) as closed:
+            again = first.copy()
+            plan = planish.Plan(again, cells, onto=closed)
+        with plan:  # a plan keeps what it needs
+            plan.smooth(again)
+            self.assertLess(np.abs(np.linalg.norm(again[~inside], axis=1) - radius).max(), 0.02 * radius)
+            self.assertLess(plan.fit_distance(again).in_edges, 0.3)
+        self.assertRaisesRegex(ValueError, "the shape is closed", closed.classes)
+
+    def test_shapes_are_closed_at_any_time(self):
+        """Who closes a shape while nodes slide on it changes nothing."""
+        points, cells, _ = ball(4)
+        for closes in (False, True):
+            shape, again = planish.Shape(points, cells), points.copy()
+
+            def progress(_step):
+                if closes:
+                    shape.close()
+
+            with planish.Plan(again, cells, slide="curved", surface_of=shape) as plan:
+                plan.smooth(again, progress=progress)
+            if closes:
+                np.testing.assert_array_equal(again, expected)
+                self.assertRaisesRegex(ValueError, "the shape is closed", shape.classes)
+            expected = again
 
     def test_refusals(self):
         points, cells, _ = ball(3)

@@ -132,7 +132,7 @@ def layers_of_smooth(choices: PlanChoices, run: RunChoices) -> PlanChoices:
 
 def _number_of(word: Any, words: dict[str, int], name: str) -> int:
     """Return the number of a word; raise ValueError if words does not have it. name: the option."""
-    if word not in words:
+    if not isinstance(word, str) or word not in words:
         raise ValueError(f"{name} must be one of {', '.join(words)}, not {word!r}")
     return words[word]
 

@@ -161,7 +161,8 @@ class Mesh:
     @property
     def regions(self) -> Optional[NDArray[np.int32]]:
         """Region number of each element [m]; None: the mesh is one region."""
-        return self._region_numbers()
+        regions = self._region_numbers()
+        return None if regions is None else regions.copy()  # another choice of arrays frees the file's own
 
     def _region_numbers(self) -> Optional[NDArray[np.int32]]:
         surface: Surface = io("surface")(self.handle.file, None)

@@ -24,7 +24,7 @@ class Fit:
         self._fit: Optional[c_void_p] = c_void_p()
         self.info = FitInfo()
         self._view = view
-        self._shapes = own, onto  # needed as long as the fit is
+        self._shapes = own.handle(), onto.handle()  # needed as long as the fit is
         call(library.planish_fit_create, byref(view.mesh), own.pointer(), onto.pointer(), c_double(0), byref(options),
              byref(self._fit), byref(self.info))
 

@@ -74,7 +74,7 @@ def _without_complete(of_kind: list[Block], n_corners: int, elements: Array) -> 
     """Return blocks of one kind, without the edges or facets that a complete list has (see _holders)."""
     names = set.intersection(*(set(block.data) for block in of_kind))
     listed = joined([block.nodes[:, :n_corners] for block in of_kind])
-    of_listed = tags({name: joined([block.data[name] for block in of_kind]) for name in names}, len(listed))
+    of_listed = tags({name: joined([block.data[name] for block in of_kind]) for name in sorted(names)}, len(listed))
     ends = np.cumsum([len(block.nodes) for block in of_kind])[:-1]
     holds = np.split(_holders(listed, of_listed, elements), ends)
     return [block._replace(nodes=block.nodes[rows]) for block, rows in zip(of_kind, holds)]

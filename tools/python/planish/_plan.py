@@ -441,8 +441,8 @@ class Plan:
             set_run(choices, options, self._view, self._view.has_types())
             taken = self._coordinates(points, writes=True)
             self._view.set_storage(options, taken)
-            if self.shape is not None:
-                options.shape = self.shape.pointer().value
+            shape = None if self.shape is None else self.shape.handle()  # progress may close it
+            options.shape = None if shape is None else shape.pointer.value
 
             def work() -> None:
                 call(library.planish_smooth, self._plan, pointer(taken.array), byref(options), byref(result))

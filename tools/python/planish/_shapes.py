@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ctypes import byref, c_void_p
-from typing import Any
+from typing import Any, Optional
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,19 @@ from ._results import ShapeDistance, ShapeInfo
 from ._structures import MeshView
 from ._view import View
 from ._views import Source, view_of_shape
+
+
+class Handle:
+    """The library's planish_shape, which is destroyed with its last user: plans and runs keep it while they need it."""
+
+    def __init__(self) -> None:
+        """Make room for a pointer."""
+        self.pointer = c_void_p()
+
+    def __del__(self) -> None:
+        """Release the memory of the shape."""
+        if self.pointer:
+            library.planish_shape_destroy(self.pointer)
 
 
 class Shape:
@@ -47,20 +60,24 @@ class Shape:
         return made
 
     def _make(self, view: View, crease_angle: float, threads: int) -> None:
-        self._shape = c_void_p()
+        self._handle: Optional[Handle] = Handle()
         self._threads = threads
         self.info = ShapeInfo()
         self._n = view.n
         surface = view.surface()
         surface.crease_angle = crease_angle
         call(library.planish_shape_create, byref(view.mesh), byref(surface), threads_to_use(threads),
-             byref(self._shape), byref(self.info))
+             byref(self._handle.pointer), byref(self.info))
+
+    def handle(self) -> Handle:
+        """Return what keeps the library's planish_shape as long as it is kept itself."""
+        if self._handle is None:
+            raise ValueError("the shape is closed")
+        return self._handle
 
     def pointer(self) -> c_void_p:
         """Return the library's planish_shape."""
-        if not self._shape.value:
-            raise ValueError("the shape is closed")
-        return self._shape
+        return self.handle().pointer
 
     def classes(self) -> NDArray[np.uint8]:
         """Return the class [n] of each node: 0 not on the surface, 1 on a patch, 2 on a curve, 3 a corner."""
@@ -81,10 +98,8 @@ class Shape:
         return found
 
     def close(self) -> None:
-        """Release the memory of the shape. Plans with this shape cannot be used afterwards."""
-        shape, self._shape = self._shape, c_void_p()
-        if shape:
-            library.planish_shape_destroy(shape)
+        """Release the memory of the shape, once nothing uses it any more. Plans cannot slide on it afterwards."""
+        self._handle = None
 
     def __reduce__(self) -> Any:
         """Raise TypeError: a shape cannot be copied or pickled."""
@@ -97,11 +112,6 @@ class Shape:
     def __exit__(self, *_: object) -> None:
         """Close the shape."""
         self.close()
-
-    def __del__(self) -> None:
-        """Release the memory of a shape that was not closed."""
-        if getattr(self, "_shape", None):
-            self.close()
 
 
 def shape_for(source: Source, given: Any, regions: Any, crease_angle: float, threads: int) -> Shape:

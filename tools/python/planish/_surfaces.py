@@ -104,7 +104,7 @@ class SpaceSurface:
         view, result = self.view, Result()
         _check(source, choices, run, view.has_types())
         self._find_slides(choices)
-        options = self._options(choices, run)
+        options, shape = self._options(choices, run), self.shape.handle()  # progress may close it
         taken = Points(source.array, 3, view.points.strides, writes=True)
         view.set_storage(options, taken)
 
@@ -113,6 +113,7 @@ class SpaceSurface:
             taken.write_back()
 
         watched(options, run.progress, taken, work)
+        del shape
         return result
 
     def quality(self, per_element: bool) -> Quality:
