@@ -504,6 +504,44 @@ static void no_angle_becomes_smaller_than_the_smallest(void **state) {
     assert_true(put_back >= 3 && valid > MESHES / 2);
 }
 
+/** Without untangling no node of an inverted element moves, however obtuse or negative its angles are. */
+static void inverted_elements_stay(void **state) {
+    (void)state;
+    enum { SEEDS = 12, APART = 37 };
+    int64_t n_inverted = 0;
+    for (unsigned seed = 1; seed <= SEEDS; seed++) {
+        const int dim = 2 + (int)(seed % 3 == 0);
+        test_mesh mesh;
+        uneven_box(&mesh, dim, seed);
+        for (int64_t i = seed; i < mesh.mesh.n_elements;
+             i += APART) { /* some nodes over their neighbours */
+            const int32_t *node = mesh.elements + i * (dim + 1);
+            double *x = mesh.coordinates + node[0] * dim;
+            for (int d = 0; d < dim; d++)
+                x[d] += 2 * (mesh.coordinates[node[1] * dim + d] - x[d]);
+        }
+        for (int w = 0; w < 2; w++) {
+            planish_options options =
+                defaults(w ? PLANISH_WORST_ANGLE : PLANISH_WORST_RADIUS_RATIO);
+            options.untangle = 0;
+            run r = smooth(&mesh.mesh, &options);
+            for (int64_t i = 0; i < mesh.mesh.n_elements; i++) {
+                const int32_t *node = mesh.elements + i * (dim + 1);
+                if (test_measure_of(&mesh.mesh, mesh.coordinates, i) > 0)
+                    continue;
+                n_inverted++;
+                for (int j = 0; j <= dim; j++)
+                    assert_memory_equal(r.coordinates + node[j] * dim,
+                                        mesh.coordinates + node[j] * dim,
+                                        (size_t)dim * sizeof(double));
+            }
+            release(&r);
+        }
+        destroy(&mesh);
+    }
+    assert_true(n_inverted > 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         BOTH(the_worst_becomes_better),
@@ -517,6 +555,7 @@ int main(void) {
         cmocka_unit_test(a_node_of_very_many_elements_is_left),
         cmocka_unit_test(options_are_checked),
         cmocka_unit_test(what_cannot_be_mended_is_no_end),
+        cmocka_unit_test(inverted_elements_stay),
         BOTH(no_angle_becomes_smaller_than_the_smallest),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
