@@ -712,7 +712,8 @@ typedef struct planish_options {
                                     above 0, every element needs a delta */
     const double *lower, *upper; /* [n_nodes][dim] whatever the strides: bounds, or NULL: none */
     double box_lower[3];         /* bounds for all nodes, -INFINITY and INFINITY: none; a node */
-    double box_upper[3];         /* that starts outside of its bounds stays where it is */
+    double box_upper[3];         /* that starts outside of its bounds stays where it is; mids follow
+                                    their ends */
     double max_displacement;     /* how far from its start a node may go; 0: any distance */
     double rounding; /* elements of order 2: largest distance of a mid from the middle of
                                     a straight edge; 1e-6 of the element's longest edge is always
