@@ -161,6 +161,56 @@ static void sets_are_groups(void **state) {
     builder_release(&b);
 }
 
+/** A shell and side sets of number 2, node sets and the nodes of a side set of number 5: each name is
+ *  that of one. */
+static void names_of_one_number_are_groups(void **state) {
+    (void)state;
+    static const double xyz[] = {0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    static const struct {
+        const char *tag, *held;
+    } cases[] = {{"shell", "1011"}, {"bottom", "1110"}, {"2:2", "1111"}, {"solid", "1111"},
+                 {"pin", "0100"},   {"top", "1011"},    {"5", "1111"},   {"0:5", "1111"}};
+    netcdf_builder n = {.kind = 1};
+    netcdf_put_texts(&n, "eb_names", 2, (const char *const[]){"solid", "shell"});
+    netcdf_put_integers(&n, "eb_prop1", 2, 0, (const int[]){1, 2});
+    for (int d = 2; d >= 0; d--)
+        netcdf_put_reals(&n,
+                         d == 2   ? "coordz"
+                         : d == 1 ? "coordy"
+                                  : "coordx",
+                         NETCDF_AS_DOUBLE, 4, 0, xyz + 4 * d);
+    strcpy(netcdf_put_integers(&n, "connect1", 1, 4, (const int[]){1, 2, 3, 4})->text, "TETRA");
+    strcpy(netcdf_put_integers(&n, "connect2", 1, 3, (const int[]){1, 3, 4})->text, "SHELL3");
+    netcdf_put_integers(&n, "ns_prop1", 1, 0, (const int[]){5});
+    netcdf_put_texts(&n, "ns_names", 1, (const char *const[]){"pin"});
+    netcdf_put_integers(&n, "node_ns1", 1, 0, (const int[]){2});
+    netcdf_put_integers(&n, "ss_prop1", 2, 0, (const int[]){2, 5});
+    netcdf_put_texts(&n, "ss_names", 2, (const char *const[]){"bottom", "top"});
+    netcdf_put_integers(&n, "elem_ss1", 1, 0, (const int[]){1});
+    netcdf_put_integers(&n, "side_ss1", 1, 0, (const int[]){4});
+    netcdf_put_integers(&n, "elem_ss2", 1, 0, (const int[]){2});
+    netcdf_put_integers(&n, "side_ss2", 1, 0, (const int[]){1});
+    file_builder b = netcdf_end_file(&n);
+    planish_file *file = builder_file(&b, &io_format_exodus);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const planish_hold hold = {.tags = &cases[i].tag, .n_tags = 1};
+        uint8_t reason[4];
+        assert_int_equal(planish_file_get_held(file, &hold, reason, NULL), 0);
+        for (int k = 0; k < 4; k++)
+            if ((reason[k] & PLANISH_FILE_FIX) != (cases[i].held[k] == '1' ? PLANISH_FILE_FIX : 0))
+                fail_msg("%s: node %d", cases[i].tag, k);
+    }
+    static const char *const slide[] = {"bottom"};
+    const planish_hold sliding = {.slide = 1, .slide_tags = slide, .n_slide_tags = 1};
+    uint8_t constraint[4];
+    assert_int_equal(planish_file_constraints(file, &sliding, constraint, NULL), 0);
+    for (int k = 0; k < 4; k++) /* the shell does not slide */
+        assert_int_equal(constraint[k],
+                         k == 1 ? PLANISH_CONSTRAINT_FREE : PLANISH_CONSTRAINT_FIXED);
+    planish_file_close(file);
+    builder_release(&b);
+}
+
 static void shared_nodes_are_held(void **state) {
     static const char *const lists[] = {"n_comm_nids", "node_mapb", "node_mape"};
     (void)state;
@@ -557,6 +607,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_mesh_is_read_in_every_kind),
         cmocka_unit_test(sets_are_groups),
+        cmocka_unit_test(names_of_one_number_are_groups),
         cmocka_unit_test(shared_nodes_are_held),
         cmocka_unit_test(a_plane_is_read),
         cmocka_unit_test(data_are_read),

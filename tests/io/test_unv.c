@@ -97,6 +97,37 @@ static void a_solid_is_read(void **state) {
     planish_file_close(file);
 }
 
+#define NUMBERED(number, count, name, entries)                                                     \
+    "         " number                                                                             \
+    "         0         0         0         0         0         0         " count "\n" name        \
+    "\n" entries "\n"
+
+/** Gmsh numbers the groups of each dimension from 1, and writes the nodes of all. */
+static void names_of_one_number_are_groups(void **state) {
+    (void)state;
+    static const struct {
+        const char *tag, *held;
+    } cases[] = {{"wall", "1000"}, {"out", "0110"}, {"edge", "0001"}, {"0:1", "1110"},
+                 {"1", "1111"},    {"0:9", "0001"}, {"9", "0001"},    {"solid", "1111"}};
+    planish_file *file =
+        reading_text(&io_format_unv, FOUR TET END "  2467\n" NUMBERED("1", "1", "wall", "7 1 0 0")
+                                         NUMBERED("1", "2", "out", "7 2 0 0 7 3 0 0")
+                                             NUMBERED("1", "1", "solid", "8 1 0 0")
+                                                 NUMBERED("9", "1", "edge", "7 4 0 0") END);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        unit_expect_held(file, cases[i].tag, cases[i].held);
+    for (int number = 2; number <= 11; number++) { /* none of planish's own numbers is a tag */
+        uint8_t constraint[4];
+        char tag[16];
+        snprintf(tag, sizeof tag, "0:%d", number);
+        const char *const tags[] = {tag};
+        const planish_hold hold = {.tags = tags, .n_tags = 1};
+        assert_int_equal(planish_file_constraints(file, &hold, constraint, NULL),
+                         number == 9 ? 0 : PLANISH_ERROR_ARGUMENT);
+    }
+    planish_file_close(file);
+}
+
 /* Orders of nodes as Salome and Gmsh read and write them: most in rings. */
 static const unit_element elements[] = {
     {PLANISH_CELL_TRIANGLE, 91, "0 1 2"},
@@ -474,6 +505,7 @@ static void threads_read_the_same(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_solid_is_read),
+        cmocka_unit_test(names_of_one_number_are_groups),
         cmocka_unit_test(elements_of_every_type_are_read),
         cmocka_unit_test(both_orders_are_read),
         cmocka_unit_test(properties_are_regions),

@@ -521,6 +521,7 @@ static void release_groups(io_model *model) {
     for (int32_t i = 0; i < model->n_groups; i++)
         pl_free(model->group[i].name);
     pl_free(model->group);
+    pl_free(model->twin);
     io_names_release(&model->strange_groups);
     io_names_release(&model->supported_group);
 }

@@ -303,6 +303,8 @@ typedef struct io_model {
     io_group *group; /* [n_groups] */
     int64_t n_groups, group_capacity;
     int groups_by_name; /* numbers of entities and groups are none of the file's (Abaqus) */
+    int32_t *twin;      /* [n_twins] the file's numbers of groups that have planish's (twins.h), */
+    int64_t n_twins, twin_capacity, first_twin; /* which go from first_twin on */
     io_names
         strange_groups; /* names in the file that are no groups, though they look so (*SURFACE) */
     uint8_t *supported; /* [n_nodes] 1: a boundary condition names the node, and holds it not; NULL:
@@ -516,6 +518,12 @@ int io_model_index_tags_but(io_model *model, int dim, int64_t none, int32_t *tag
 /** Note a named group behind the others. */
 int io_model_group(io_model *model, int dim, int32_t tag, const char *name, int64_t length,
                    planish_error *error);
+
+/** Return the file's number of groups that the model knows by a number. */
+static inline int32_t io_model_file_number(const io_model *model, int32_t number) {
+    const int64_t i = number - model->first_twin;
+    return i >= 0 && i < model->n_twins ? model->twin[i] : number;
+}
 
 /** Note an edit behind all others; text is taken over, and released on failure, too. */
 int io_edits_add(io_edits *edits, io_edit edit, planish_error *error);

@@ -122,6 +122,7 @@ static int exodus_read(io_model *model, planish_error *error) {
     if (!status)
         status = exodus_note_data(&r);
     netcdf_integers_release(&r.numbers);
+    exodus_labels_release(&r.labels);
     pl_free(r.block);
     return netcdf_end(r.file, status);
 }

@@ -191,7 +191,7 @@ static int find_size(block_walk *w, int64_t k) {
     return status;
 }
 
-static int read_block(exodus_reader *r, const exodus_labels *labels, int64_t k) {
+static int read_block(exodus_reader *r, int64_t k) {
     char name[TYPE_NAME_SIZE];
     exodus_block block = {.first = r->n_elements};
     block_walk w = {.r = r, .block = &block, .name = exodus_name_of("connect", k)};
@@ -219,10 +219,10 @@ static int read_block(exodus_reader *r, const exodus_labels *labels, int64_t k) 
                              name, (long long)w.width);
     } else if (w.nodes.n > 0 && (use == IO_KEEP || w.cell_type)) {
         const int32_t entity =
-            io_model_entity(r->model, block.dim, (int32_t)k + 1, 1, &labels->number[k], r->error);
+            io_model_entity(r->model, block.dim, (int32_t)k + 1, 1, &r->labels.number[k], r->error);
         status = entity < 0 ? entity : store_elements(&w, entity);
         if (!status)
-            status = exodus_labels_name(r, labels, k, block.dim);
+            status = exodus_labels_name(r, &r->labels, k, block.dim);
     } else {
         status = read_records(&w, w.nodes.n, 1, hold_nodes);
     }
@@ -258,7 +258,8 @@ static int hold_faces(exodus_reader *r) {
 }
 
 /** Check that no two blocks have the same number: they would be one region. */
-static int check_numbers(exodus_reader *r, const exodus_labels *labels) {
+static int check_numbers(exodus_reader *r) {
+    const exodus_labels *labels = &r->labels;
     io_numbers *table = NULL;
     int64_t *number = pl_alloc(labels->n, sizeof *number);
     for (int64_t k = 0; number && k < labels->n; k++)
@@ -273,16 +274,14 @@ static int check_numbers(exodus_reader *r, const exodus_labels *labels) {
 
 int exodus_read_blocks(exodus_reader *r) {
     static const char map[] = "elem_num_map";
-    exodus_labels labels;
     r->model->node_order = exodus_node_orders;
-    int status = exodus_labels_read(r, "eb_prop1", "eb_names", &labels);
+    int status = exodus_labels_read(r, "eb_prop1", "eb_names", &r->labels);
     if (!status)
-        status = check_numbers(r, &labels);
+        status = check_numbers(r);
     if (!status)
         status = netcdf_integers_read(r->file, map, &r->numbers);
-    for (int64_t k = 0; k < labels.n && !status; k++)
-        status = read_block(r, &labels, k);
-    exodus_labels_release(&labels);
+    for (int64_t k = 0; k < r->labels.n && !status; k++)
+        status = read_block(r, k);
     if (!status && r->numbers.n > 0 && r->numbers.n != r->n_elements)
         status = netcdf_fail(r->file, map, "%lld numbers for %lld elements",
                              (long long)r->numbers.n, (long long)r->n_elements);

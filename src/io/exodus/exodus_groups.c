@@ -143,6 +143,12 @@ static int is_same(const exodus_member *x, const exodus_member *y) {
     return compare_sets(x, y) == 0 && x->place == y->place && x->side == y->side;
 }
 
+/** Return the file's number of a set, or the number of a region, which may be larger. */
+static int64_t file_number(const io_view *view, int64_t number) {
+    const int is_group = number >= INT32_MIN && number <= INT32_MAX;
+    return is_group ? io_model_file_number(view->model, (int32_t)number) : number;
+}
+
 /** Find the sets of the sorted members, each of which is once in a set. */
 static int find_sets(exodus_groups *groups, const io_view *view, planish_error *error) {
     exodus_member *member = groups->member;
@@ -150,7 +156,7 @@ static int find_sets(exodus_groups *groups, const io_view *view, planish_error *
     for (int64_t i = 0; i < groups->n_members; i++) {
         const exodus_member *m = &member[i];
         if (n == 0 || compare_sets(&member[n - 1], m) != 0) {
-            const exodus_group set = {.number = m->number,
+            const exodus_group set = {.number = file_number(view, m->number),
                                       .name = m->group < 0 ? "" : view->model->group[m->group].name,
                                       .group = m->group,
                                       .first = n};
@@ -158,8 +164,9 @@ static int find_sets(exodus_groups *groups, const io_view *view, planish_error *
                 return pl_fail_memory(error, "node sets and side sets");
         }
         exodus_group *set = &groups->group[groups->n - 1];
-        if (m->number > 0 && (set->number <= 0 || m->number < set->number))
-            set->number = m->number;
+        const int64_t number = file_number(view, m->number);
+        if (number > 0 && (set->number <= 0 || number < set->number))
+            set->number = number;
         if (set->n > 0 && is_same(&member[n - 1], m))
             continue;
         member[n++] = *m;

@@ -25,12 +25,20 @@ typedef struct exodus_block {
     int is_shell; /* sides 1 and 2 are its faces, the others its edges */
 } exodus_block;
 
+/** Numbers and names of blocks, or of sets of one kind. */
+typedef struct exodus_labels {
+    int64_t n;
+    int32_t *number; /* [n] owned */
+    netcdf_texts names;
+} exodus_labels;
+
 typedef struct exodus_reader {
     io_model *model;
     netcdf *file;
     planish_error *error;
     exodus_block *block; /* [n_blocks] owned */
     int64_t n_blocks, block_capacity;
+    exodus_labels labels; /* of the blocks */
     int64_t n_elements;
     io_hdf5_integers numbers; /* [n_elements] of elements, or none: their places */
 } exodus_reader;
@@ -47,13 +55,6 @@ static inline int exodus_take_node(exodus_reader *r, const char *name, const io_
     return place >= 1 && place <= r->model->n_nodes ? PLANISH_OK
                                                     : exodus_fail_node(r, name, i, place, error);
 }
-
-/** Numbers and names of blocks, or of sets of one kind. */
-typedef struct exodus_labels {
-    int64_t n;
-    int32_t *number; /* [n] owned */
-    netcdf_texts names;
-} exodus_labels;
 
 /** Read labels. Release in any case. */
 int exodus_labels_read(exodus_reader *r, const char *numbers, const char *names,

@@ -4,6 +4,8 @@
  * quadrilaterals or lines of the model, one for all sets that have it, however many elements list
  * it. They hold no nodes by themselves. Of all other sides (faces and edges of shells beside solids,
  * ends of lines) the nodes are in the set, as they would be in a node set.
+ *
+ * Cubit numbers blocks, node sets and side sets from 1 each. io_twins_number tells those of one number apart.
  */
 #include "io/exodus/exodus_reader.h"
 
@@ -13,6 +15,7 @@
 #include "io/core/memberships.h"
 #include "io/core/parts.h"
 #include "io/core/records.h"
+#include "io/core/twins.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -301,6 +304,34 @@ static int make_node_entities(sets *s) {
     return status;
 }
 
+/* ---- numbers -------------------------------------------------------------------------------- */
+
+/** Add the label k of blocks or sets to a list. */
+static void add_twin(io_twin *list, int64_t *n, const exodus_labels *labels, int64_t k,
+                     unsigned dims) {
+    list[*n] = (io_twin){labels->number[k], dims, netcdf_text_slice(&labels->names, k), *n,
+                         &labels->number[k]};
+    (*n)++;
+}
+
+/** Give sets whose numbers blocks or other sets have, too, numbers of their own. */
+static int number_sets(sets *s) {
+    exodus_reader *r = s->r;
+    int64_t n = 0;
+    io_twin *twin = pl_alloc(r->n_blocks + s->nodes.n + s->sides.n, sizeof *twin);
+    if (!twin)
+        return pl_fail_memory(r->error, "the numbers of sets");
+    for (int64_t k = 0; k < r->n_blocks; k++)
+        add_twin(twin, &n, &r->labels, k, r->block[k].list ? 1u << r->block[k].dim : 0);
+    for (int64_t k = 0; k < s->nodes.n; k++)
+        add_twin(twin, &n, &s->nodes, k, 1);
+    for (int64_t k = 0; k < s->sides.n; k++)
+        add_twin(twin, &n, &s->sides, k, 1u << (s->dim - 1) | s->has_others[k]);
+    const int status = io_twins_number(r->model, twin, n, r->n_blocks, r->error);
+    pl_free(twin);
+    return status;
+}
+
 int exodus_read_sets(exodus_reader *r) {
     io_model *model = r->model;
     sets s = {.r = r, .dim = io_model_dim(model)};
@@ -317,6 +348,8 @@ int exodus_read_sets(exodus_reader *r) {
         status = pl_fail_memory(r->error, "the side sets");
     for (int64_t k = 0; k < s.sides.n && !status; k++)
         status = take_sides(&s, k, NULL);
+    if (!status)
+        status = number_sets(&s);
     /* Before there are facets: sides of shells are found in the lists of flat elements. */
     if (!status && s.nodes.n + s.sides.n > 0)
         status = make_node_entities(&s);

@@ -37,15 +37,17 @@ static chosen_number *find_number(chosen_number *numbers, int64_t n, int dim, in
     return bsearch(&key, numbers, (size_t)n, sizeof key, compare_numbers);
 }
 
-/** Choose the entities that have numbers [n], sorted and distinct, as physical groups. Returns whether
- *  there are any. */
-static int choose_physical(const io_model *model, chosen_number *numbers, int64_t n,
+/** Choose the entities that have numbers [n], sorted and distinct, as physical groups; of_file: they are
+ *  the file's. Returns whether there are any. */
+static int choose_physical(const io_model *model, chosen_number *numbers, int64_t n, int of_file,
                            uint8_t *chosen) {
     int is_any = 0;
     for (int32_t i = 0; i < model->n_entities && n > 0; i++) {
         const io_entity *e = &model->entity[i];
         for (int k = 0; k < e->n_physical; k++) {
-            chosen_number *found = find_number(numbers, n, e->dim, e->physical[k]);
+            const int32_t number =
+                of_file ? io_model_file_number(model, e->physical[k]) : e->physical[k];
+            chosen_number *found = find_number(numbers, n, e->dim, number);
             if (found)
                 is_any = found->is_physical = chosen[i] = 1;
         }
@@ -71,12 +73,13 @@ static int choose_own(const io_model *model, chosen_number *numbers, int64_t n, 
 static int choose_number(const io_model *model, int dim, int64_t number, uint8_t *chosen) {
     chosen_number numbers[4];
     int n = 0;
-    if (number < INT32_MIN || number > INT32_MAX)
+    if (number < INT32_MIN || number > INT32_MAX ||
+        io_model_file_number(model, (int32_t)number) != number)
         return 0;
     for (int d = 0; d <= 3; d++)
         if (dim < 0 || dim == d)
             numbers[n++] = (chosen_number){d, (int32_t)number, 0};
-    return choose_physical(model, numbers, n, chosen) || choose_own(model, numbers, n, chosen);
+    return choose_physical(model, numbers, n, 1, chosen) || choose_own(model, numbers, n, chosen);
 }
 
 /** Choose the entities of numbers [n], which are sorted for that, each as choose_number does: groups of
@@ -88,7 +91,7 @@ static void choose_numbers(const io_model *model, chosen_number *numbers, int64_
     for (int64_t i = 0; i < n; i++)
         if (i == 0 || compare_numbers(&numbers[i], &numbers[n_kept - 1]) != 0)
             numbers[n_kept++] = numbers[i];
-    choose_physical(model, numbers, n_kept, chosen);
+    choose_physical(model, numbers, n_kept, 0, chosen);
     choose_own(model, numbers, n_kept, chosen);
 }
 
@@ -121,7 +124,8 @@ static void list_tags(const io_model *model, int dim, char *text, size_t size) {
         for (int j = 0; j < entity->n_physical || j == 0; j++) {
             char number[TAG_SIZE];
             snprintf(number, sizeof number, "%d:%d", entity->dim,
-                     entity->n_physical ? entity->physical[j] : entity->tag);
+                     entity->n_physical ? io_model_file_number(model, entity->physical[j])
+                                        : entity->tag);
             if (dim < 0 || entity->dim == dim)
                 n = list_tag(list, n, number);
         }
@@ -191,7 +195,8 @@ static int choose_tag(const io_model *model, const char *text, int dim, uint8_t 
         if (dim >= 0 && group->dim != dim)
             continue;
         if (!is_called(group, text) &&
-            !(t.has_number && group->tag == t.number && (t.dim < 0 || t.dim == group->dim)))
+            !(t.has_number && io_model_file_number(model, group->tag) == t.number &&
+              (t.dim < 0 || t.dim == group->dim)))
             continue;
         numbers[n++] = (chosen_number){group->dim, group->tag, 0};
         found = 1;

@@ -118,7 +118,8 @@ static void fill(const io_model *model, const int64_t *count, const numbered *na
     for (int64_t i = 0; i < n && !model->groups_by_name; i++) {
         if (bsearch(&number[i], named, (size_t)model->n_groups, sizeof *named, compare))
             continue;
-        snprintf(text, NUMBER_SIZE, "%d:%d", number[i].dim, (int)number[i].number);
+        snprintf(text, NUMBER_SIZE, "%d:%d", number[i].dim,
+                 (int)io_model_file_number(model, number[i].number));
         *group++ = (planish_group){.tag = text, .dim = number[i].dim, .n = number[i].n};
         text += NUMBER_SIZE;
     }

@@ -167,5 +167,7 @@ int planish_file_element_region(const planish_file *file, int64_t element, char 
         if (name)
             return put_name(name, text, size);
     }
-    return model->groups_by_name ? 0 : snprintf(text, size, "%d:%d", entity->dim, (int)number[0]);
+    return model->groups_by_name ? 0
+                                 : snprintf(text, size, "%d:%d", entity->dim,
+                                            (int)io_model_file_number(model, number[0]));
 }

@@ -290,9 +290,9 @@ static int is_changed(const group_finder *f) {
     int changed = 0;
     for (int64_t g = 0; g < model->n_groups; g++)
         changed |= f->of[g] >= 0 && is_own_number(model, model->group[g].tag) &&
-                   f->out->number[f->of[g]] != model->group[g].tag;
+                   f->out->number[f->of[g]] != io_model_file_number(model, model->group[g].tag);
     for (int64_t i = 0; i < f->n_bare; i++)
-        changed |= f->out->number[f->bare[i].group] != f->bare[i].tag;
+        changed |= f->out->number[f->bare[i].group] != io_model_file_number(model, f->bare[i].tag);
     return changed;
 }
 

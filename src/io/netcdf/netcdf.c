@@ -99,15 +99,20 @@ int netcdf_texts_read(netcdf *file, const char *name, netcdf_texts *texts) {
     return file->kind->texts_read(file, name, texts);
 }
 
-int64_t netcdf_text(const netcdf_texts *texts, int64_t i, char *text, int64_t size) {
+io_slice netcdf_text_slice(const netcdf_texts *texts, int64_t i) {
     int64_t n = 0;
-    const int64_t most = texts->length < size - 1 ? texts->length : size - 1;
     const char *from = i < texts->n ? texts->data + i * texts->length : "";
-    while (i < texts->n && n < most && from[n])
+    while (i < texts->n && n < texts->length && from[n])
         n++;
     while (n > 0 && from[n - 1] == ' ')
         n--;
-    memcpy(text, from, (size_t)n);
+    return (io_slice){from, from + n};
+}
+
+int64_t netcdf_text(const netcdf_texts *texts, int64_t i, char *text, int64_t size) {
+    const io_slice all = netcdf_text_slice(texts, i);
+    const int64_t length = io_slice_length(all), n = length < size - 1 ? length : size - 1;
+    memcpy(text, all.begin, (size_t)n);
     text[n] = '\0';
     return n;
 }

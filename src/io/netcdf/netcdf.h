@@ -16,6 +16,7 @@
 
 #include "base/printf.h"
 
+#include "io/core/text.h"
 #include "io/hdf5/hdf5.h"
 
 typedef struct netcdf netcdf;
@@ -58,6 +59,9 @@ typedef struct netcdf_texts {
 
 /** Read the texts of a variable, none if there is no such variable. Released by pl_free. */
 int netcdf_texts_read(netcdf *file, const char *name, netcdf_texts *texts);
+
+/** Return text i without what fills it up; nothing if there is none. */
+io_slice netcdf_text_slice(const netcdf_texts *texts, int64_t i);
 
 /** Copy text i, without what fills it up, into text [size], cut off there; "" if there is none. Return
  *  its length. */

@@ -8,6 +8,7 @@
 #include "io/unv/unv_reader.h"
 
 #include "io/core/memberships.h"
+#include "io/core/twins.h"
 
 #include "base/memory.h"
 #include "base/status.h"
@@ -18,7 +19,7 @@ enum { HEADING = 8, MOST_WORDS = 4, NODE = 7, ELEMENT = 8 };
  *  look. */
 typedef struct entries {
     struct entry {
-        int32_t thing, tag; /* an index, and the group */
+        int32_t thing, tag; /* an index, and the group: its place from 0, then its tag */
     } * entry;              /* [n] owned */
     int64_t n, capacity;
 } entries;
@@ -29,6 +30,8 @@ typedef struct group_reader {
     io_numbers *elements;               /* NULL: not asked for so far */
     int64_t first_cell[IO_N_LISTS + 1]; /* of each list among all elements */
     entries of_elements, of_nodes;
+    io_twin *group; /* [n_groups] owned */
+    int64_t n_groups, group_capacity;
 } group_reader;
 
 /* ---- elements by number --------------------------------------------------------------------- */
@@ -57,9 +60,9 @@ static int number_elements(group_reader *g) {
 
 /* ---- groups --------------------------------------------------------------------------------- */
 
-/** Put a node or element into the group of that tag; *dims: the dimensions that it has, bits. Numbers
+/** Put a node or element into the group at that place; *dims: the dimensions that it has, bits. Numbers
  *  of what is not kept are passed over. */
-static int add_entry(group_reader *g, int64_t code, int64_t number, int32_t tag, unsigned *dims) {
+static int add_entry(group_reader *g, int64_t code, int64_t number, int32_t group, unsigned *dims) {
     int64_t thing = -1;
     entries *to = code == NODE ? &g->of_nodes : &g->of_elements;
     if (code == NODE) {
@@ -74,17 +77,16 @@ static int add_entry(group_reader *g, int64_t code, int64_t number, int32_t tag,
             if (thing >= g->first_cell[k] && thing < g->first_cell[k + 1])
                 *dims |= 1u << io_model_list(g->r->model, k).dim;
     }
-    const struct entry entry = {(int32_t)thing, tag};
+    const struct entry entry = {(int32_t)thing, group};
     return thing < 0 || pl_append(&to->entry, &to->n, &to->capacity, &entry, sizeof entry)
                ? PLANISH_OK
                : pl_fail_memory(g->r->error, "the groups of the file");
 }
 
-/** Read a group, and name it for the dimensions that it has. */
-static int read_group(group_reader *g, io_cursor *cursor, int words, int64_t ordinal) {
+/** Read a group. */
+static int read_group(group_reader *g, io_cursor *cursor, int words) {
     const unv_reader *r = g->r;
     int64_t heading[HEADING], entry[MOST_WORDS];
-    unsigned dims = 0;
     io_cursor line = io_take_line(cursor);
     for (int i = 0; i < HEADING; i++)
         if (io_integer(&line, &heading[i]))
@@ -96,25 +98,21 @@ static int read_group(group_reader *g, io_cursor *cursor, int words, int64_t ord
         return io_fail_at(r->model, name.begin, r->error, "number %lld of a group is out of range",
                           (long long)number);
     int status = io_check_room(r->model, *cursor, n, 2 * words, "entries of a group", r->error);
-    /* Tags are more than 0. */
-    const int32_t tag = number > 0 ? (int32_t)number : (int32_t)(INT32_MAX - ordinal);
+    io_twin group = {.number = (int32_t)number, .name = name, .at = g->n_groups};
     for (int64_t i = 0; i < n && !status; i++) {
         for (int k = 0; k < words; k++)
             if (io_integer(cursor, &entry[k]))
                 return io_fail_at(r->model, cursor->at, r->error,
                                   "group %lld: %lld entries expected", (long long)number,
                                   (long long)n);
-        status = add_entry(g, entry[0], entry[1], tag, &dims);
+        status = add_entry(g, entry[0], entry[1], (int32_t)group.at, &group.dims);
     }
-    for (int dim = 0; dim <= 3 && !status; dim++)
-        if (dims >> dim & 1 && io_slice_length(name) > 0)
-            status =
-                io_model_group(r->model, dim, tag, name.begin, io_slice_length(name), r->error);
+    if (!status && !pl_append(&g->group, &g->n_groups, &g->group_capacity, &group, sizeof group))
+        status = pl_fail_memory(r->error, "the groups of the file");
     return status;
 }
 
 static int read_groups(group_reader *g) {
-    int64_t ordinal = 0;
     int status = PLANISH_OK;
     for (int64_t i = 0; i < g->r->sections.n; i++) {
         const io_section *s = &g->r->sections.section[i];
@@ -123,8 +121,70 @@ static int read_groups(group_reader *g) {
         if (d->kind != UNV_GROUPS)
             continue;
         for (io_skip_space(&cursor); cursor.at < cursor.end && !status; io_skip_space(&cursor))
-            status = read_group(g, &cursor, d->words, ordinal++);
+            status = read_group(g, &cursor, d->words);
     }
+    return status;
+}
+
+/* ---- tags of groups ------------------------------------------------------------------------- */
+
+/** Return the largest property of an element. */
+static int64_t most_property(const io_model *model) {
+    int64_t most = 0;
+    for (int k = IO_FIRST_LIST; k < IO_N_LISTS; k++) {
+        const io_list list = io_model_list(model, k);
+        for (int64_t i = 0; i < list.n; i++)
+            most = list.entity[i] > most ? list.entity[i] : most;
+    }
+    return most;
+}
+
+/** Name a group for the dimensions that it has. */
+static int name_group(const group_reader *g, const io_twin *group, int32_t tag) {
+    const int64_t length = io_slice_length(group->name);
+    int status = PLANISH_OK;
+    for (int dim = 0; dim <= 3 && !status; dim++)
+        if (group->dims >> dim & 1 && length > 0)
+            status = io_model_group(g->r->model, dim, tag, group->name.begin, length, g->r->error);
+    return status;
+}
+
+/** Find the tags of groups: tag [n_groups]. Those of number 0 are groups of their own, as tags are more
+ *  than 0. */
+static int find_tags(group_reader *g, int32_t *tag) {
+    io_twin *twin = pl_alloc(g->n_groups, sizeof *twin);
+    int64_t n = 0;
+    if (!twin)
+        return pl_fail_memory(g->r->error, "the groups of the file");
+    for (int64_t i = 0; i < g->n_groups; i++) {
+        tag[i] = (int32_t)(INT32_MAX - i);
+        if (g->group[i].number > 0) {
+            twin[n] = g->group[i];
+            twin[n++].own = &tag[i];
+        }
+    }
+    const int status =
+        io_twins_number(g->r->model, twin, n, most_property(g->r->model), g->r->error);
+    pl_free(twin);
+    return status;
+}
+
+static void tag_entries(entries *of, const int32_t *tag) {
+    for (int64_t i = 0; i < of->n; i++)
+        of->entry[i].tag = tag[of->entry[i].tag];
+}
+
+/** Give all groups their tags and names. */
+static int tag_groups(group_reader *g) {
+    int32_t *tag = pl_alloc(g->n_groups, sizeof *tag);
+    int status = tag ? find_tags(g, tag) : pl_fail_memory(g->r->error, "the groups of the file");
+    for (int64_t i = 0; i < g->n_groups && !status; i++)
+        status = name_group(g, &g->group[i], tag[i]);
+    if (!status) {
+        tag_entries(&g->of_elements, tag);
+        tag_entries(&g->of_nodes, tag);
+    }
+    pl_free(tag);
     return status;
 }
 
@@ -187,6 +247,8 @@ static int make_groups(group_reader *g) {
     count_cells(g);
     int status = read_groups(g);
     if (!status)
+        status = tag_groups(g);
+    if (!status)
         status = list_groups(&g->of_elements, g->first_cell[IO_N_LISTS], &of_elements, g->r->error);
     if (!status)
         status = make_entities(g, &of_elements);
@@ -207,6 +269,7 @@ int unv_make_entities(unv_reader *r) {
     const int status = has_groups ? make_groups(&g) : io_runs_index_tags(r->model, r->error);
     pl_free(g.of_elements.entry);
     pl_free(g.of_nodes.entry);
+    pl_free(g.group);
     io_numbers_destroy(g.elements);
     return status || !r->has_materials ? status : make_regions(r);
 }

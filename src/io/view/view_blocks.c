@@ -172,10 +172,10 @@ int io_view_loses_tag(const io_view *view, const io_view_block *block, int64_t n
     if (!e || model->groups_by_name || e->n_physical == 0)
         return 0;
     if (!has_names)
-        return e->physical[0] != number;
+        return io_model_file_number(model, e->physical[0]) != number;
     for (int k = 0; k < e->n_physical; k++)
-        is_lost |=
-            e->physical[k] != number && io_view_first_group(view, e->dim, e->physical[k]) < 0;
+        is_lost |= io_model_file_number(model, e->physical[k]) != number &&
+                   io_view_first_group(view, e->dim, e->physical[k]) < 0;
     return is_lost;
 }
 
