@@ -86,6 +86,36 @@ static void elements_of_every_type_are_read(void **state) {
             }
 }
 
+/** Surfaces have the mids of their facets, and the middle of faces. */
+static void surfaces_have_all_nodes_of_facets(void **state) {
+    (void)state;
+    static const struct {
+        const char *name, *facet, *held;
+        int type;
+    } cases[] = {
+        {"C3D20", "S1", "11110000111100000000", PLANISH_CELL_HEXAHEDRON20},
+        {"C3D27", "S1", "111100001111000000000100000", PLANISH_CELL_HEXAHEDRON27},
+        {"C3D27", "S4", "011001100100010001100000100", PLANISH_CELL_HEXAHEDRON27},
+        {"C3D15V", "S3", "110110100100110100", PLANISH_CELL_WEDGE18},
+        {"C3D15V", "S2", "000111000111000000", PLANISH_CELL_WEDGE18},
+        {"S9R5", "SPOS", "111111111", PLANISH_CELL_QUADRILATERAL9},
+        {"CPS8", "S2", "01100100", PLANISH_CELL_QUADRILATERAL8},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        for (size_t k = 0; k < sizeof types / sizeof *types; k++) {
+            char text[4096];
+            double x[UNIT_NODES][3];
+            if (types[k].type != cases[i].type)
+                continue;
+            const int n = unit_places(types[k].type, types[k].nodes, x);
+            write_element(text, sizeof text, cases[i].name, n, x, 0);
+            const size_t length = strlen(text);
+            snprintf(text + length, sizeof text - length, "*SURFACE,NAME=S\n7,%s\n",
+                     cases[i].facet);
+            reading_text_holds(format, text, "S", READING_REGIONS, cases[i].held);
+        }
+}
+
 /* Tetrahedra of both orders, a triangle and a line: unit_expect_both_orders. */
 #define MIDS                                                                                       \
     "1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,1,1,1\n6,.5,.5,0\n7,0,.5,.5\n8,.5,0,.5\n"               \
@@ -108,6 +138,9 @@ static void both_orders_may_be_in_a_file(void **state) {
         {BOTH_ORDERS "*NSET,NSET=N,ELSET=B\n", "N", "01111111111"},
         {BOTH_ORDERS "*NSET,NSET=N,ELSET=L\n", "N", "00111010011"},
         {BOTH_ORDERS "*NSET,NSET=N\n6,9\n", "N", "00111110111"},
+        {BOTH_ORDERS "*SURFACE,NAME=S\n2,S1\n", "S", "01111111011"},
+        {BOTH_ORDERS "*SURFACE,NAME=S\n2,S2\n", "S", "01111110111"},
+        {BOTH_ORDERS "*SURFACE,NAME=S\n1,S2\n", "S", "11111010011"},
         {BOTH_ORDERS "*EQUATION\n2\n9,1,1.,6,1,1.\n", NULL, "00111110111"},
     };
     for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
@@ -157,6 +190,7 @@ static void nodes_of_faces_may_be_missing(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(elements_of_every_type_are_read),
+        cmocka_unit_test(surfaces_have_all_nodes_of_facets),
         cmocka_unit_test_setup_teardown(both_orders_may_be_in_a_file, test_folder_create,
                                         test_folder_remove),
         cmocka_unit_test(mids_must_be_there),
