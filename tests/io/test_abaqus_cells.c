@@ -86,6 +86,93 @@ static void elements_of_every_type_are_read(void **state) {
             }
 }
 
+/** Write the nodes of the facet or line that a file has beside its element: numbers in the file, and 0 for
+ *  those that it lacks. */
+static void nodes_beside(const io_model *model, char *text, size_t size) {
+    const int lists[] = {1, 2, IO_FLAT_LIST};
+    text[0] = '\0';
+    for (int k = 0; k < 3 && !text[0]; k++) {
+        const io_list list = io_model_list(model, lists[k]);
+        int32_t node[IO_CELL_NODES];
+        const int n = list.n > 0 ? io_list_all_nodes(&list, 0, node, NULL) : 0;
+        for (int i = 0; i < n; i++)
+            snprintf(text + strlen(text), size - strlen(text), i ? " %d" : "%d", node[i] + 1);
+    }
+}
+
+/** Write an element of a type, complete, as write_element does. */
+static void write_type(char *text, size_t size, int type, const char *name) {
+    for (size_t k = 0; k < sizeof types / sizeof *types; k++) {
+        double x[UNIT_NODES][3];
+        if (types[k].type != type)
+            continue;
+        const int n = unit_places(type, types[k].nodes, x);
+        write_element(text, size, name, n, x, 0);
+    }
+}
+
+/** Lines and facets that have corners alone get the mids of the elements, in the order of their own. */
+static void corners_get_the_mids_of_elements(void **state) {
+    (void)state;
+    static const struct {
+        int type;
+        const char *name, *beside, *nodes, *held;
+    } cases[] = {
+        {PLANISH_CELL_HEXAHEDRON27, "C3D27", "S4\n8,2,6,7,3\n", "2 6 7 3 18 14 19 10 25",
+         "011001100100010001100000100"},
+        {PLANISH_CELL_HEXAHEDRON27, "C3D27", "S4\n8,3,7,6,2\n", "3 7 6 2 19 14 18 10 25",
+         "011001100100010001100000100"},
+        {PLANISH_CELL_HEXAHEDRON27, "C3D27", "S8R\n8,2,6,7,3,18,14,19,10\n",
+         "2 6 7 3 18 14 19 10 25", "011001100100010001100000100"},
+        {PLANISH_CELL_HEXAHEDRON27, "C3D27", "S4\n8,1,2,8,7\n", "1 2 8 7 9 0 15 0",
+         "110000111000001000000000000"},
+        {PLANISH_CELL_HEXAHEDRON20, "C3D20", "S4\n8,2,6,7,3\n", "2 6 7 3 18 14 19 10",
+         "01100110010001000110"},
+        {PLANISH_CELL_HEXAHEDRON20, "C3D20", "S4\n8,1,3,7,5\n", "1 3 7 5 0 19 0 17",
+         "10101010000000001010"},
+        {PLANISH_CELL_HEXAHEDRON20, "C3D20", "S4\n8,1,6,3,8\n", "1 6 3 8", "10100101000000000000"},
+        {PLANISH_CELL_WEDGE18, "C3D15V", "S3R\n8,3,2,1\n", "3 2 1 8 7 9", "111000111000000000"},
+        {PLANISH_CELL_TETRAHEDRON10, "C3D10", "T3D2\n8,3,2\n", "3 2 6", "0110010000"},
+        {PLANISH_CELL_TRIANGLE6, "CPS6", "T3D2\n8,3,1\n", "3 1 6", "101001"},
+        {PLANISH_CELL_HEXAHEDRON, "C3D8", "S4\n8,2,6,7,3\n", "2 6 7 3", "01100110"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[4096], nodes[64];
+        write_type(text, sizeof text, cases[i].type, cases[i].name);
+        const size_t length = strlen(text);
+        snprintf(text + length, sizeof text - length, "*ELEMENT,TYPE=%s", cases[i].beside);
+        planish_file *file = reading_text(format, text);
+        nodes_beside(&file->model, nodes, sizeof nodes);
+        assert_string_equal(nodes, cases[i].nodes);
+        reading_holds(file, NULL, READING_REGIONS, cases[i].held);
+        planish_file_close(file);
+    }
+}
+
+/** Surfaces have the mids of their facets, and the middle of faces. */
+static void surfaces_have_all_nodes_of_facets(void **state) {
+    (void)state;
+    static const struct {
+        const char *name, *facet, *held;
+        int type;
+    } cases[] = {
+        {"C3D20", "S1", "11110000111100000000", PLANISH_CELL_HEXAHEDRON20},
+        {"C3D27", "S1", "111100001111000000000100000", PLANISH_CELL_HEXAHEDRON27},
+        {"C3D27", "S4", "011001100100010001100000100", PLANISH_CELL_HEXAHEDRON27},
+        {"C3D15V", "S3", "110110100100110100", PLANISH_CELL_WEDGE18},
+        {"C3D15V", "S2", "000111000111000000", PLANISH_CELL_WEDGE18},
+        {"S9R5", "SPOS", "111111111", PLANISH_CELL_QUADRILATERAL9},
+        {"CPS8", "S2", "01100100", PLANISH_CELL_QUADRILATERAL8},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[4096];
+        write_type(text, sizeof text, cases[i].type, cases[i].name);
+        const size_t length = strlen(text);
+        snprintf(text + length, sizeof text - length, "*SURFACE,NAME=S\n7,%s\n", cases[i].facet);
+        reading_text_holds(format, text, "S", READING_REGIONS, cases[i].held);
+    }
+}
+
 /* Tetrahedra of both orders, a triangle and a line: unit_expect_both_orders. */
 #define MIDS                                                                                       \
     "1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,1,1,1\n6,.5,.5,0\n7,0,.5,.5\n8,.5,0,.5\n"               \
@@ -108,6 +195,9 @@ static void both_orders_may_be_in_a_file(void **state) {
         {BOTH_ORDERS "*NSET,NSET=N,ELSET=B\n", "N", "01111111111"},
         {BOTH_ORDERS "*NSET,NSET=N,ELSET=L\n", "N", "00111010011"},
         {BOTH_ORDERS "*NSET,NSET=N\n6,9\n", "N", "00111110111"},
+        {BOTH_ORDERS "*SURFACE,NAME=S\n2,S1\n", "S", "01111111011"},
+        {BOTH_ORDERS "*SURFACE,NAME=S\n2,S2\n", "S", "01111110111"},
+        {BOTH_ORDERS "*SURFACE,NAME=S\n1,S2\n", "S", "11111010011"},
         {BOTH_ORDERS "*EQUATION\n2\n9,1,1.,6,1,1.\n", NULL, "00111110111"},
     };
     for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
@@ -157,6 +247,8 @@ static void nodes_of_faces_may_be_missing(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(elements_of_every_type_are_read),
+        cmocka_unit_test(surfaces_have_all_nodes_of_facets),
+        cmocka_unit_test(corners_get_the_mids_of_elements),
         cmocka_unit_test_setup_teardown(both_orders_may_be_in_a_file, test_folder_create,
                                         test_folder_remove),
         cmocka_unit_test(mids_must_be_there),

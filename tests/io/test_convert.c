@@ -183,7 +183,7 @@ static void all_types_are_converted(void **state) {
         }
 }
 
-/** Lines of second order keep their mids, or are straight in Nastran's files. */
+/** Lines of second order keep their mids. Straight ones, as in Nastran's files, get those of elements. */
 static void lines_are_converted(void **state) {
     for (int t = 0; t < N_TARGETS; t++) {
         file_builder b = {.binary = 0};
@@ -197,11 +197,10 @@ static void lines_are_converted(void **state) {
         planish_file *copy =
             converting_to(*state, file, targets[t].name, targets[t].extension, lost);
         const io_cells *lines = &copy->model.line;
-        const int is_straight = strcmp(targets[t].name, "nastran") == 0;
         assert_int_equal(lines->n, 1);
         assert_int_equal(lines->nodes[0], 0);
         assert_int_equal(lines->nodes[1], 1);
-        assert_int_equal(lines->mid ? lines->mid[0] : -1, is_straight ? -1 : 3);
+        assert_int_equal(lines->mid ? lines->mid[0] : -1, 3);
         planish_file_close(copy);
         planish_file_close(file);
     }

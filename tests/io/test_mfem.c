@@ -405,6 +405,22 @@ static void nodes_of_several_vertices_are_held(void **state) {
     planish_file_close(file);
 }
 
+/* Two triangles of second order, and a boundary element between them. */
+static const char divided[] =
+    "MFEM mesh v1.0\ndimension\n2\nelements\n2\n1 2 0 1 2\n1 2 1 3 2\nboundary\n1\n7 1 1 2\n"
+    "vertices\n4\n\nnodes\nFiniteElementSpace\nFiniteElementCollection: L2_T1_2D_P2\nVDim: 2\n"
+    "Ordering: 1\n\n0 0\n1 0\n2 0\n0 1\n1 1\n0 2\n2 0\n2 1\n2 2\n1 1\n1 2\n0 2\n";
+
+static void boundary_elements_have_the_mids_of_elements(void **state) {
+    (void)state;
+    planish_file *file = reading_text(&io_format_mfem, divided);
+    assert_int_equal(planish_file_mesh(file).n_nodes, 9);
+    assert_int_equal(file->model.line.n, 1);
+    unit_expect_held(file, NULL, "001011000");
+    unit_expect_held(file, "1:7", "001011000");
+    planish_file_close(file);
+}
+
 /* ---- parts of parallel meshes --------------------------------------------------------------------- */
 
 #define PART                                                                                       \
@@ -571,6 +587,7 @@ int main(void) {
         cmocka_unit_test(facets_of_second_order_have_mids),
         cmocka_unit_test(nodes_of_seams_are_held),
         cmocka_unit_test(nodes_of_several_vertices_are_held),
+        cmocka_unit_test(boundary_elements_have_the_mids_of_elements),
         cmocka_unit_test(shared_vertices_are_held),
         cmocka_unit_test(wrong_files_are_refused),
         cmocka_unit_test(spaces_of_all_names_are_read),

@@ -235,10 +235,11 @@ static void tetrahedra_of_second_order(void **state) {
     assert_int_equal(file->model.entity[file->model.triangle.entity[0]].tag, 4);
     assert_int_equal(file->model.entity[file->model.line.entity[0]].tag, 2);
     assert_int_equal(file->model.n_companions, 4);
-    /* The face and the edge that bear markers, 1 3 2 and 3 1; mids between held corners stay. */
+    /* The face and the edge that bear markers, 1 3 2 and 3 1, with the mids that elements have there. */
     for (int i = 0; i < 14; i++)
         assert_int_equal(file->model.hold[i],
-                         (i == 0 || i == 2 ? IO_HELD_BY_LINE : 0) | (i < 3 ? IO_HELD_BY_FACE : 0));
+                         ("10100001000000"[i] == '1' ? IO_HELD_BY_LINE : 0) |
+                             ("11100011010000"[i] == '1' ? IO_HELD_BY_FACE : 0));
     unit_expect_valid(file, 2);
     assert_int_equal(planish_file_cells(file, &cells, NULL), PLANISH_OK);
     planish_mesh all = mesh;

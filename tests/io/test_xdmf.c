@@ -1,8 +1,10 @@
 /* XDMF files: what is read and refused, wherever their numbers stand, and what is written. */
+#include "support/file_builder.h"
 #include "support/files.h"
 #include "support/folder_files.h"
 #include "support/hdf5_builder.h"
 #include "support/reading.h"
+#include "support/unit_elements.h"
 
 #include "io/core/binary.h"
 #include "io/file/file.h"
@@ -434,6 +436,43 @@ static void sets_are_groups_of_nodes(void **state) {
     fails(XDMF(GRID(TWO POINTS SET("a", "Node", WHOLE("1", "5")))), "is not in 0 .. 4");
     fails(XDMF(GRID(TWO POINTS SET("a", "Face", WHOLE("1", "0") WHOLE("1", "4")))),
           "has no face 4");
+}
+
+/** Sets of faces have their mids and middles, too. */
+static void faces_have_all_their_nodes(void **state) {
+    (void)state;
+    const int type = PLANISH_CELL_HEXAHEDRON27;
+    const char *const name = "S";
+    const planish_hold hold = {.tags = &name, .n_tags = 1};
+    double x[UNIT_NODES][3];
+    uint8_t reason[UNIT_NODES];
+    file_builder text = {0};
+    const int n = unit_places(type,
+                              "0 1 2 3 4 5 6 7 01 12 23 30 45 56 67 74 04 15 26 37 0374 1265 0154 "
+                              "2376 0123 4567 01234567",
+                              x);
+    builder_text(&text, "%s",
+                 "<Xdmf Version=\"3.0\"><Domain><Grid>"
+                 "<Topology TopologyType=\"Hexahedron_27\" NumberOfElements=\"1\">"
+                 "<DataItem NumberType=\"Int\" Dimensions=\"1 27\">");
+    for (int i = 0; i < n; i++)
+        builder_text(&text, " %d", i);
+    builder_text(&text, "%s",
+                 "</DataItem></Topology><Geometry>"
+                 "<DataItem Precision=\"8\" Dimensions=\"27 3\">");
+    for (int i = 0; i < n; i++)
+        builder_text(&text, " %.17g %.17g %.17g", x[i][0], x[i][1], x[i][2]);
+    builder_text(&text, "%s",
+                 "</DataItem></Geometry>" SET(
+                     "S", "Face", WHOLE("1", "0") WHOLE("1", "1")) "</Grid></Domain></Xdmf>\n");
+    builder_text(&text, "%c", 0);
+    planish_file *file = reads(text.data);
+    assert_int_equal(planish_file_get_held(file, &hold, reason, NULL), 0);
+    for (int i = 0; i < n; i++) /* of the face 1 2 6 5 */
+        assert_int_equal((reason[i] & PLANISH_FILE_FIX) != 0,
+                         "011001100100010001100100000"[i] == '1');
+    planish_file_close(file);
+    builder_release(&text);
 }
 
 /* ---- files beside --------------------------------------------------------------------------- */
@@ -965,6 +1004,7 @@ int main(void) {
         cmocka_unit_test(wrong_nodes_of_tags_are_refused),
         cmocka_unit_test(attributes_are_data),
         cmocka_unit_test(sets_are_groups_of_nodes),
+        cmocka_unit_test(faces_have_all_their_nodes),
         IN_FOLDER(a_file_beside_is_written),
         IN_FOLDER(other_files_are_not_overwritten),
         IN_FOLDER(one_file_may_have_several_spellings),

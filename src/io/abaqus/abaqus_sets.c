@@ -9,6 +9,7 @@
 
 #include "io/core/cell_types.h"
 #include "io/core/number.h"
+#include "io/core/parts.h"
 #include "io/core/records.h"
 
 #include "base/memory.h"
@@ -422,18 +423,23 @@ static const char *find_facet(const char *name, int dim, int corners) {
     return NULL;
 }
 
-/** Add the corners of a facet of an element to a set (-1: to none). *is_known becomes 0 if planish does not
- *  know the facet. */
+/** Add the nodes of a facet of an element, its mids among them, to a set (-1: to none). *is_known becomes
+ *  0 if planish does not know the facet. */
 static int add_facet(abaqus_reader *r, int32_t set, int64_t cell, const char *name, int *is_known) {
     int64_t local;
     const io_list list = abaqus_list_of(r, cell, &local);
     int32_t node[IO_CELL_NODES];
     int corners, status = PLANISH_OK;
-    io_list_nodes(&list, local, node, &corners);
+    const int n = io_list_all_nodes(&list, local, node, &corners);
     const char *facet = find_facet(name, list.dim, corners);
     *is_known &= facet != NULL;
-    for (; facet && *facet && set >= 0 && !status; facet++)
-        status = add_member(r, set, node[*facet - '1']);
+    uint32_t has = 0;
+    for (; facet && *facet && set >= 0; facet++)
+        has |= UINT32_C(1) << (*facet - '1');
+    has = has ? io_part_nodes(io_parts_of(list.dim, corners), corners, has) : 0;
+    for (int i = 0; i < n && !status; i++)
+        if (node[i] >= 0 && (has >> i & 1))
+            status = add_member(r, set, node[i]);
     return status;
 }
 

@@ -410,30 +410,35 @@ int64_t io_list_number(const io_list *list, int64_t i) {
     return list->cells ? io_cell_number(list->cells, i) : list->others->number[i];
 }
 
-int io_list_nodes(const io_list *list, int64_t i, int32_t *node, int *corners) {
+int io_list_all_nodes(const io_list *list, int64_t i, int32_t *node, int *corners) {
     const io_others *o = list->others;
+    int n = list->dim + 1, n_mids = 0;
     const int32_t *from, *mid = NULL;
-    int n, n_corners, n_mids = 0;
     if (o) {
         from = o->node + o->offset[i];
-        n_corners = io_cell_type_corners(o->type[i]);
-        n_mids = io_cell_type_nodes(o->type[i]) - n_corners;
-        mid = from + n_corners;
+        n = io_cell_type_corners(o->type[i]);
+        n_mids = io_cell_type_nodes(o->type[i]) - n;
+        mid = from + n;
     } else {
-        n_corners = list->dim + 1;
-        from = list->cells->nodes + i * n_corners;
-        if (list->cells->mid) {
-            n_mids = io_n_mids(list->dim);
-            mid = list->cells->mid + i * n_mids;
-        }
+        from = list->cells->nodes + i * n;
+        n_mids = list->cells->mid ? io_n_mids(list->dim) : 0;
+        mid = n_mids ? list->cells->mid + i * n_mids : NULL;
     }
-    for (n = 0; n < n_corners; n++)
-        node[n] = from[n];
+    for (int k = 0; k < n; k++)
+        node[k] = from[k];
     for (int k = 0; k < n_mids; k++)
-        if (mid[k] >= 0)
-            node[n++] = mid[k];
+        node[n + k] = mid[k];
     if (corners)
-        *corners = n_corners;
+        *corners = n;
+    return n + n_mids;
+}
+
+int io_list_nodes(const io_list *list, int64_t i, int32_t *node, int *corners) {
+    const int n_all = io_list_all_nodes(list, i, node, corners);
+    int n = 0;
+    for (int k = 0; k < n_all; k++)
+        if (node[k] >= 0)
+            node[n++] = node[k];
     return n;
 }
 

@@ -446,6 +446,10 @@ static inline int io_others_list(int dim) {
 /** Return the number in the file of element i of a list. */
 int64_t io_list_number(const io_list *list, int64_t i);
 
+/** Find the nodes of element i of a list in VTK's order, -1: a mid that is missing. Else as
+ *  io_list_nodes. */
+int io_list_all_nodes(const io_list *list, int64_t i, int32_t *node, int *corners);
+
 /** Find the nodes of element i of a list, mids that are there among them: node [IO_CELL_NODES].
  *  Return how many; *corners (may be NULL): the first of them are corners. */
 int io_list_nodes(const io_list *list, int64_t i, int32_t *node, int *corners);

@@ -1,6 +1,7 @@
 /* parts: faces and edges of elements by their corners, in VTK's order.
  *
  *   io_parts, io_parts_of, io_part_corners    parts of an element
+ *   io_part_nodes                             all nodes of a part
  */
 #ifndef PL_IO_CORE_PARTS_H
 #define PL_IO_CORE_PARTS_H
@@ -66,6 +67,27 @@ static inline const io_parts *io_parts_of(int dim, int corners) {
 /** Return the number of corners of a face. */
 static inline int io_part_corners(const io_parts *parts, int face) {
     return parts->face[face][3] < 0 ? 3 : 4;
+}
+
+/** Find the nodes, in VTK's order, of a part of an element of that many corners, which has those whose
+ *  bits are set: the bits of these, of the mids of edges both of whose ends it has, and of the middle of
+ *  the face. The element may have fewer nodes. */
+static inline uint32_t io_part_nodes(const io_parts *parts, int corners, uint32_t has) {
+    const uint32_t one = 1;
+    uint32_t nodes = has;
+    for (int e = 0; e < parts->n_edges; e++)
+        if ((has >> parts->edge[e][0] & 1) && (has >> parts->edge[e][1] & 1))
+            nodes |= one << (corners + e);
+    for (int f = 0; f < parts->n_faces; f++) {
+        uint32_t face = 0;
+        for (int i = 0; i < io_part_corners(parts, f); i++)
+            face |= one << parts->face[f][i];
+        if (face == has && parts->middle[f] >= 0)
+            nodes |= one << (corners + parts->n_edges + parts->middle[f]);
+    }
+    if (parts->n_faces == 0 && has == (one << corners) - 1) /* a flat element is its only face */
+        nodes |= one << (corners + parts->n_edges);
+    return nodes;
 }
 
 #endif

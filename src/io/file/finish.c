@@ -12,6 +12,7 @@
  * boundary.
  */
 #include "io/core/cell_types.h"
+#include "io/core/mids.h"
 #include "io/core/parts.h"
 #include "io/file/file.h"
 #include "io/file/plane.h"
@@ -368,7 +369,7 @@ static int finish_plane(io_model *model, const io_format *format, planish_error 
 int io_model_finish(io_model *model, const io_format *format, planish_error *error) {
     const int dim = model->dim = io_model_dim(model);
     model->n_other -= model->flat.n + model->solid.n; /* which readers have counted, too */
-    int status = PLANISH_OK;
+    int status = io_complete_mids(model, error);
     for (int d = 1; d < dim && !status; d++)
         status = find_plain(model, d, dim, error);
     if (!status && dim == 3)

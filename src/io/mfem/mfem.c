@@ -309,8 +309,8 @@ static int mfem_read(io_model *model, planish_error *error) {
     io_text_release(&r.text);
     mfem_list_release(&r.elements);
     mfem_list_release(&r.boundary);
-    mfem_parts_release(&r.edges);
-    mfem_parts_release(&r.quadrilaterals);
+    io_part_numbers_release(&r.edges);
+    io_part_numbers_release(&r.quadrilaterals);
     pl_free(r.part);
     pl_free(r.vertex_node);
     return status;

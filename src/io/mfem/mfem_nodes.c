@@ -211,12 +211,12 @@ static int number_parts(mfem_reader *r) {
         int32_t *part = r->part + i * r->part_stride;
         for (int e = 0; e < g->n_edges && !status; e++) {
             const int32_t ends[2] = {vertex[g->edge[e][0]], vertex[g->edge[e][1]]};
-            status = mfem_parts_add(&r->edges, ends, part++, r->error);
+            status = io_part_numbers_add(&r->edges, ends, part++, r->error);
         }
         for (int q = 0; q < g->n_quadrilaterals && !status; q++) {
             const uint8_t *at = g->quadrilateral[q];
             const int32_t corners[4] = {vertex[at[0]], vertex[at[1]], vertex[at[2]], vertex[at[3]]};
-            status = mfem_parts_add(&r->quadrilaterals, corners, part++, r->error);
+            status = io_part_numbers_add(&r->quadrilaterals, corners, part++, r->error);
         }
         if (status)
             return status;
@@ -328,11 +328,11 @@ int mfem_boundary_nodes(const mfem_reader *r, int64_t i, int32_t *nodes) {
     int n = g->corners;
     for (int e = 0; e < g->n_edges; e++) {
         const int32_t ends[2] = {vertex[g->edge[e][0]], vertex[g->edge[e][1]]};
-        const int64_t edge = mfem_parts_find(&r->edges, ends);
+        const int64_t edge = io_part_numbers_find(&r->edges, ends);
         nodes[n++] = edge < 0 ? -1 : (int32_t)(r->n_used + edge);
     }
     if (g->shape == IO_QUADRILATERAL) {
-        const int64_t face = mfem_parts_find(&r->quadrilaterals, vertex);
+        const int64_t face = io_part_numbers_find(&r->quadrilaterals, vertex);
         nodes[n++] = face < 0 ? -1 : (int32_t)(r->n_used + r->edges.n + face);
     }
     return n;

@@ -4,7 +4,6 @@
  *   mfem_geometry.c   geometries of elements, and the orders of their nodes
  *   mfem_elements.c   lists of elements: mfem_read_list, mfem_add_elements
  *   mfem_nodes.c      curved meshes: mfem_read_space, mfem_read_nodes
- *   mfem_parts.c      edges and quadrilaterals by their vertices, numbered as they first occur
  *
  * All functions return 0 or a negative planish_status with the error filled in, unless they say
  * something else.
@@ -12,9 +11,8 @@
 #ifndef PL_IO_MFEM_MFEM_READER_H
 #define PL_IO_MFEM_MFEM_READER_H
 
-#include "base/hash.h"
-
 #include "io/core/elements.h"
+#include "io/core/part_numbers.h"
 #include "io/core/records.h"
 
 enum {
@@ -54,16 +52,6 @@ typedef struct mfem_list {
     int32_t *vertex;    /* [n][stride] owned */
 } mfem_list;
 
-/** Distinct edges (of 2 vertices) or quadrilaterals (4), numbered as they first occur. */
-typedef struct mfem_parts {
-    int width; /* vertices of each */
-    int64_t n, capacity;
-    int32_t *vertex; /* [n][width] owned, ascending */
-    int32_t *slot;   /* [n_slots] owned hash table: index or -1 */
-    int64_t n_slots; /* a power of two, or 0 */
-    pl_hash hash;
-} mfem_parts;
-
 /** How the values of `nodes` belong to elements. */
 typedef enum mfem_space {
     MFEM_STRAIGHT,      /* there are none: vertices are the nodes */
@@ -87,7 +75,7 @@ typedef struct mfem_reader {
     int order;           /* 1, 2 */
     int is_by_component; /* all x stand before all y */
     int pyramid_inside;  /* nodes inside a pyramid of second order */
-    mfem_parts edges, quadrilaterals;
+    io_part_numbers edges, quadrilaterals;
     int32_t *part; /* [elements.n][MFEM_MOST_PARTS or fewer] owned: its edges and quadrilaterals, */
     int part_stride;
     int64_t n_used; /* vertices with a node */
@@ -130,17 +118,5 @@ int mfem_boundary_nodes(const mfem_reader *r, int64_t i, int32_t *nodes);
 
 /** Hold the nodes on edges and quadrilaterals of elements whose corners are all held in the file. */
 void mfem_hold_mids(mfem_reader *r);
-
-/* ---- parts ---------------------------------------------------------------------------------- */
-
-/** Find the number of a part by its vertices, in any order; -1: there is none. */
-int64_t mfem_parts_find(const mfem_parts *parts, const int32_t *vertices);
-
-/** Find the number of a part, made if new. Error: _MEMORY. */
-int mfem_parts_add(mfem_parts *parts, const int32_t *vertices, int32_t *number,
-                   planish_error *error);
-
-/** Release the table. */
-void mfem_parts_release(mfem_parts *parts);
 
 #endif

@@ -13,7 +13,7 @@
  * with a marker that is not zero hold their nodes. The first attribute of
  * elements tells regions apart if all its values are integers; other attributes
  * may be any quantity. Of elements of second order (-o2) mids are read; those of faces and edges are
- * not, as they stay where corners do.
+ * not, as io_complete_mids finds them.
  */
 #include "io/core/bytes.h"
 #include "io/core/cell_types.h"

@@ -331,13 +331,10 @@ static int add_face(xdmf_reader *r, const vtk_grid *grid, int64_t cell, int64_t 
     uint32_t has = 0;
     for (int i = 0; i < n; i++)
         has |= UINT32_C(1) << corner[i];
-    for (int i = 0; i < corners && !status; i++)
+    has = io_part_nodes(parts, corners, has);
+    for (int i = 0; i < n_nodes && !status; i++)
         if (has >> i & 1)
             status = add_node(r, set, grid->first_point + nodes[i]);
-    /* Mids of edges both of whose ends the face has. */
-    for (int e = 0; e < parts->n_edges && corners + e < n_nodes && !status; e++)
-        if ((has >> parts->edge[e][0] & 1) && (has >> parts->edge[e][1] & 1))
-            status = add_node(r, set, grid->first_point + nodes[corners + e]);
     return status;
 }
 

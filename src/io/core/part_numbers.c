@@ -1,6 +1,5 @@
-/* mfem_parts: edges and quadrilaterals by their vertices, numbered as they first occur. MFEM numbers
- * the nodes on edges and faces so, element after element. */
-#include "io/mfem/mfem_reader.h"
+/* part_numbers: edges and quadrilaterals by their vertices, numbered as they first occur. */
+#include "io/core/part_numbers.h"
 
 #include "base/memory.h"
 #include "base/status.h"
@@ -20,7 +19,7 @@ static void sort_vertices(const int32_t *vertices, int n, int32_t *sorted) {
 }
 
 /** Return whether a slot is free or has the part. */
-static int is_slot_of(const mfem_parts *parts, int32_t slot, const int32_t *sorted) {
+static int is_slot_of(const io_part_numbers *parts, int32_t slot, const int32_t *sorted) {
     if (slot < 0)
         return 1;
     const int32_t *there = parts->vertex + (int64_t)slot * parts->width;
@@ -32,7 +31,7 @@ static int is_slot_of(const mfem_parts *parts, int32_t slot, const int32_t *sort
 
 /** Find the slot of a part, or the free one where it belongs. Parts of a vertex stand together as far
  *  as there is room, so that most are in the cache; the others are all over the table. */
-static int32_t *find_slot(const mfem_parts *parts, const int32_t *sorted) {
+static int32_t *find_slot(const io_part_numbers *parts, const int32_t *sorted) {
     const uint64_t mask = (uint64_t)parts->n_slots - 1;
     int32_t *together = parts->slot + ((uint64_t)(uint32_t)sorted[0] * TOGETHER & mask);
     for (uint32_t i = 0; i < TOGETHER; i++) {
@@ -48,7 +47,7 @@ static int32_t *find_slot(const mfem_parts *parts, const int32_t *sorted) {
 }
 
 /** Keep the hash table at most half full. */
-static int grow_slots(mfem_parts *parts, planish_error *error) {
+static int grow_slots(io_part_numbers *parts, planish_error *error) {
     if (2 * parts->n < parts->n_slots)
         return PLANISH_OK;
     const int64_t n_slots = parts->n_slots ? 4 * parts->n_slots : FIRST_SLOTS;
@@ -65,14 +64,14 @@ static int grow_slots(mfem_parts *parts, planish_error *error) {
     return PLANISH_OK;
 }
 
-int64_t mfem_parts_find(const mfem_parts *parts, const int32_t *vertices) {
+int64_t io_part_numbers_find(const io_part_numbers *parts, const int32_t *vertices) {
     int32_t sorted[MOST_WIDTH] = {0};
     sort_vertices(vertices, parts->width, sorted);
     return parts->n_slots > 0 ? *find_slot(parts, sorted) : -1;
 }
 
-int mfem_parts_add(mfem_parts *parts, const int32_t *vertices, int32_t *number,
-                   planish_error *error) {
+int io_part_numbers_add(io_part_numbers *parts, const int32_t *vertices, int32_t *number,
+                        planish_error *error) {
     int32_t sorted[MOST_WIDTH] = {0};
     sort_vertices(vertices, parts->width, sorted);
     const int status = grow_slots(parts, error);
@@ -90,8 +89,8 @@ int mfem_parts_add(mfem_parts *parts, const int32_t *vertices, int32_t *number,
     return PLANISH_OK;
 }
 
-void mfem_parts_release(mfem_parts *parts) {
+void io_part_numbers_release(io_part_numbers *parts) {
     pl_free(parts->vertex);
     pl_free(parts->slot);
-    *parts = (mfem_parts){.width = parts->width};
+    *parts = (io_part_numbers){.width = parts->width};
 }
