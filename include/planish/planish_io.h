@@ -191,8 +191,9 @@ PLANISH_API const char *const *planish_file_region_arrays(const planish_file *fi
 
 /** Choose the arrays that tell regions: names [n_names], each of planish_file_cell_arrays, replace the
  * arrays that were found. n_names 0 keeps the arrays that were found. Either way the values of the
- * arrays are released, so you can choose only once. Ask again afterwards for results that depend on
- * regions and groups (planish_file_constraints, _surface, _min_volumes, _element_region). Errors:
+ * arrays are released, so you can choose only once. The chosen arrays also decide which of all listed
+ * facets or edges hold nodes. Ask again afterwards for results that depend on regions and groups
+ * (planish_file_constraints, _surface, _min_volumes, _element_region, _groups). Errors:
  * _ARGUMENT (a name that the file does not have; the text lists those it has), _MEMORY. */
 PLANISH_API int planish_file_choose_regions(planish_file *file, const char *const *names,
                                             int n_names, planish_error *error);

@@ -172,6 +172,81 @@ static void arrays_are_chosen(void **state) {
     builder_release(&builder);
 }
 
+/** Put numbers of the edges of the square, 8 where an edge is marked and on its middle column, and then of
+ *  its triangles. */
+static void put_marks(file_builder *builder, const char *name, int is_marked) {
+    static const int step[3][2] = {{1, 0}, {0, 1}, {1, 1}};
+    builder_text(builder, "SCALARS %s int\nLOOKUP_TABLE default\n", name);
+    for (int i = 0; i < 3 * N_NODES; i++) {
+        const int x = i / 3 % (SIDE + 1), y = i / 3 / (SIDE + 1), k = i % 3;
+        if (x + step[k][0] <= SIDE && y + step[k][1] <= SIDE)
+            builder_text(builder, "%d ", is_marked && k == 1 && x == SIDE / 2 ? 8 : 0);
+    }
+    for (int i = 0; i < N_TRIANGLES; i++)
+        builder_text(builder, "1 ");
+    builder_text(builder, "\n");
+}
+
+/** A square of triangles behind all of their edges. Of its arrays one marks the edges in the middle. */
+static file_builder make_edges(int first_marks) {
+    enum { N_EDGES = 2 * SIDE * (SIDE + 1) + SIDE * SIDE, N = N_EDGES + N_TRIANGLES };
+    const int row = SIDE + 1, next[3] = {1, row, row + 1};
+    file_builder builder = {.binary = 0};
+    builder_text(&builder, "# vtk DataFile Version 3.0\nedges\nASCII\nDATASET UNSTRUCTURED_GRID\n");
+    builder_text(&builder, "POINTS %d double\n", N_NODES);
+    for (int i = 0; i < N_NODES; i++)
+        builder_text(&builder, "%d %d 0\n", i % row, i / row);
+    builder_text(&builder, "CELLS %d %d\n", N, 3 * N_EDGES + 4 * N_TRIANGLES);
+    for (int i = 0; i < 3 * N_NODES; i++) {
+        const int x = i / 3 % row, y = i / 3 / row, k = i % 3;
+        if (x + (k != 1) <= SIDE && y + (k != 0) <= SIDE)
+            builder_text(&builder, "2 %d %d\n", i / 3, i / 3 + next[k]);
+    }
+    for (int i = 0; i < N_TRIANGLES; i++) {
+        const int a = i / 2 / SIDE * row + i / 2 % SIDE;
+        builder_text(&builder, "3 %d %d %d\n", a, i % 2 ? a + row + 1 : a + 1,
+                     i % 2 ? a + row : a + row + 1);
+    }
+    builder_text(&builder, "CELL_TYPES %d\n", N);
+    for (int i = 0; i < N; i++)
+        builder_text(&builder, "%d\n", i < N_EDGES ? 3 : 5);
+    builder_text(&builder, "CELL_DATA %d\n", N);
+    put_marks(&builder, "MaterialIDs", first_marks);
+    put_marks(&builder, "other", !first_marks);
+    return builder;
+}
+
+/** Expect that of the nodes inside just those on the middle column are held, or none. */
+static void expect_middle_held(const planish_file *file, int is_held) {
+    uint8_t constraint[N_NODES];
+    assert_int_equal(planish_file_constraints(file, NULL, constraint, NULL), PLANISH_OK);
+    for (int i = 0; i < N_NODES; i++) {
+        const int x = i % (SIDE + 1), y = i / (SIDE + 1);
+        if (x > 0 && x < SIDE && y > 0 && y < SIDE)
+            assert_int_equal(constraint[i] != PLANISH_CONSTRAINT_FREE, is_held && x == SIDE / 2);
+    }
+}
+
+/** Which of all edges hold their nodes is decided by the array that is chosen. */
+static void chosen_arrays_decide_on_lists(void **state) {
+    (void)state;
+    for (int first_marks = 0; first_marks < 2; first_marks++) {
+        const planish_group *group;
+        planish_error error = {.text = ""};
+        int64_t n_before, n;
+        file_builder builder = make_edges(first_marks);
+        planish_file *file = read_square(&builder);
+        expect_middle_held(file, first_marks);
+        assert_int_equal(planish_file_groups(file, &group, &n_before, &error), PLANISH_OK);
+        assert_int_equal(choose(file, "other", NULL, &error), PLANISH_OK);
+        expect_middle_held(file, !first_marks);
+        assert_int_equal(planish_file_groups(file, &group, &n, &error), PLANISH_OK);
+        assert_int_equal(n - n_before, first_marks ? -1 : 1);
+        planish_file_close(file);
+        builder_release(&builder);
+    }
+}
+
 /** Numbers of 64 bits make regions, but no tags. */
 static void wide_numbers_are_regions(void **state) {
     (void)state;
@@ -196,6 +271,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(arrays_are_found),
         cmocka_unit_test(arrays_are_chosen),
+        cmocka_unit_test(chosen_arrays_decide_on_lists),
         cmocka_unit_test(wide_numbers_are_regions),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

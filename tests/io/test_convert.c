@@ -394,6 +394,27 @@ static void references_of_nodes_are_told(void **state) {
         }
 }
 
+/** Groups of Gmsh's points are references and sets of nodes; points in none are no loss of these. */
+static void groups_of_points_are_converted(void **state) {
+    char lost[512];
+    file_builder b = {.binary = 0};
+    builder_text(
+        &b,
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n0 5 \"pin\"\n$EndPhysicalNames\n"
+        "$Nodes\n3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n$EndNodes\n$Elements\n3\n1 15 2 5 11 1\n"
+        "2 15 2 0 12 2\n3 2 2 1 1 1 2 3\n$EndElements\n");
+    planish_file *file = converting_open_built(*state, "pin.msh", &b);
+    planish_file *out = converting_to(*state, file, "medit", ".mesh", lost);
+    assert_int_equal(out->model.entity[out->model.node_entity[0]].tag, 5);
+    assert_int_equal(out->model.entity[out->model.node_entity[1]].tag, 0);
+    planish_file_close(out);
+    out = converting_to(*state, file, "abaqus", ".inp", lost);
+    reading_holds(out, "pin", 0, "100");
+    assert_null(strstr(lost, "references of nodes"));
+    planish_file_close(out);
+    planish_file_close(file);
+}
+
 /** Groups without names have their numbers, if all of their elements are one entity; else formats without
  *  groups tell that these are lost. */
 static void numbers_of_groups_are_told(void **state) {
@@ -794,6 +815,7 @@ int main(void) {
         IN_A_FOLDER(other_groups_are_told),
         IN_A_FOLDER(groups_beside_arrays_are_told),
         IN_A_FOLDER(references_of_nodes_are_told),
+        IN_A_FOLDER(groups_of_points_are_converted),
         IN_A_FOLDER(numbers_of_groups_are_told),
         IN_A_FOLDER(sets_have_references),
         IN_A_FOLDER(surfaces_tell_nodes_and_blanks),

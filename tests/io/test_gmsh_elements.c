@@ -257,6 +257,171 @@ static void threads_read_a_block(void **state) {
     }
 }
 
+/* ---- points in groups --------------------------------------------------------------------- */
+
+/** Points of a tetrahedron: node, number of the group or 0, and entity. The second entity is in groups 5
+ *  and 6, the first in 5, the third in none, the fourth in 6. */
+static const int points[][3] = {{1, 5, 1}, {4, 5, 1}, {2, 5, 2}, {2, 6, 2}, {3, 0, 3}, {4, 6, 4}};
+enum { N_POINTS = sizeof points / sizeof *points };
+
+static void put_entities(file_builder *file, const encoding *e) {
+    static const int groups[4][3] = {{1, 5}, {2, 5, 6}, {0}, {1, 6}};
+    const int counts[] = {4, 0, 0, 1};
+    builder_text(file, "$Entities\n");
+    for (int i = 0; i < 4; i++)
+        builder_integer(file, counts[i], 8);
+    builder_line(file);
+    for (int i = 0; i < 5; i++) {
+        builder_integer(file, i < 4 ? i + 1 : 1, 4);
+        for (int k = 0; k < (i < 4 && e->version == MSH41 ? 3 : 6); k++)
+            builder_real(file, 0, 8);
+        builder_integer(file, i < 4 ? groups[i][0] : 0, 8);
+        for (int k = 0; i < 4 && k < groups[i][0]; k++)
+            builder_integer(file, groups[i][1 + k], 4);
+        if (i == 4)
+            builder_integer(file, 0, 8);
+        builder_line(file);
+    }
+    builder_text(file, "\n$EndEntities\n");
+}
+
+/** Put the points and the tetrahedron of MSH 4: a block for each point, once for its groups. */
+static void put_blocks(file_builder *file, const encoding *e) {
+    const struct variant variant = {.is_40 = e->version == MSH40};
+    const int bytes = e->version == MSH41 ? 8 : 4;
+    gmsh_put_section(file, &variant, N_POINTS, N_POINTS); /* five points and a tetrahedron */
+    for (int i = 0; i < N_POINTS; i++) {
+        if (i == 3) /* the second entity has both groups */
+            continue;
+        gmsh_put_head(file, &variant, 0, points[i][2], 15, 1);
+        builder_integer(file, i + 1, bytes);
+        builder_integer(file, points[i][0], bytes);
+        builder_line(file);
+    }
+    gmsh_put_head(file, &variant, 3, 1, 4, 1);
+    for (int i = 0; i < 5; i++)
+        builder_integer(file, i == 0 ? N_POINTS + 1 : i, bytes);
+    builder_line(file);
+}
+
+/** Put those of MSH 2: all points are one block of a binary file. */
+static void put_lines(file_builder *file, const encoding *e) {
+    const int heads[2][3] = {{15, N_POINTS, 2}, {4, 1, 2}};
+    builder_text(file, "%d\n", N_POINTS + 1);
+    for (int i = 0; i <= N_POINTS; i++) {
+        const int is_point = i < N_POINTS;
+        for (int k = 0; k < 3 && e->binary && (i == 0 || !is_point); k++)
+            builder_integer(file, heads[!is_point][k], 4);
+        builder_integer(file, i + 1, 4);
+        for (int k = e->binary ? 2 : 0; k < 2; k++)
+            builder_integer(file, heads[!is_point][2 * k], 4);
+        builder_integer(file, is_point ? points[i][1] : 0, 4);
+        builder_integer(file, is_point ? points[i][2] : 1, 4);
+        for (int k = 1; k <= (is_point ? 1 : 4); k++)
+            builder_integer(file, is_point ? points[i][0] : k, 4);
+        builder_line(file);
+    }
+}
+
+static file_builder make_points(const encoding *e) {
+    static const unit_element tetrahedron = {PLANISH_CELL_TETRAHEDRON, 4, "0 1 2 3"};
+    const struct variant variant = {.is_40 = e->version == MSH40};
+    file_builder file = {.binary = e->binary, .swapped = e->swapped};
+    builder_text(&file, "$MeshFormat\n%d.%d %d 8\n", e->version / 10, e->version % 10, e->binary);
+    if (e->binary) {
+        builder_integer(&file, 1, 4);
+        builder_text(&file, "\n");
+    }
+    builder_text(&file, "$EndMeshFormat\n");
+    if (e->version >= MSH40)
+        put_entities(&file, e);
+    builder_text(&file, "$Nodes\n");
+    if (e->version >= MSH40) {
+        gmsh_put_section(&file, &variant, 1, 4);
+        gmsh_put_head(&file, &variant, 3, 1, 0, 4);
+    } else {
+        builder_text(&file, "4\n");
+    }
+    put_nodes(&file, e, &tetrahedron, 1);
+    builder_text(&file, "\n$EndNodes\n$Elements\n");
+    (e->version >= MSH40 ? put_blocks : put_lines)(&file, e);
+    builder_text(&file, "\n$EndElements\n");
+    return file;
+}
+
+static void expect_point_groups(planish_file *file) {
+    const planish_group *group;
+    planish_error error;
+    int64_t n;
+    assert_int_equal(planish_file_groups(file, &group, &n, &error), 0);
+    assert_int_equal(n, 3);
+    assert_string_equal(group[0].tag, "0:5");
+    assert_int_equal(group[0].n, 3);
+    assert_string_equal(group[1].tag, "0:6");
+    assert_int_equal(group[1].n, 2);
+    assert_string_equal(group[2].tag, "3:1");
+    reading_holds(file, NULL, 0, "0000"); /* points name every node */
+    reading_holds(file, "0:5", 0, "1101");
+    reading_holds(file, "0:6", 0, "0101");
+    assert_int_equal(file->model.node_entity[2], -1);
+}
+
+/** A node is in the groups of all its points, in every encoding. */
+static void points_put_nodes_into_groups(void **state) {
+    (void)state;
+    for (int i = 1; i < N_ENCODINGS; i++) {
+        const encoding *e = &encodings[i];
+        planish_file *file;
+        planish_error error = {0};
+        file_builder builder = make_points(e);
+        if (builder_read(&builder, &io_format_gmsh, 1, &file, &error) != 0)
+            fail_msg("MSH %d, binary %d: %s", e->version, e->binary, error.text);
+        expect_point_groups(file);
+        planish_file_close(file);
+        builder_let_allocations_fail(&builder, &io_format_gmsh);
+        builder_release(&builder);
+    }
+}
+
+/** So many points that threads read them. */
+static void threads_read_the_same_points(void **state) {
+    (void)state;
+    enum { N = 70000 };
+    planish_file *file[2];
+    planish_error error;
+    file_builder builder = {.binary = 0};
+    builder_text(&builder, "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n%d\n", N);
+    for (int i = 1; i <= N; i++)
+        builder_text(&builder, "%d %d %d %d\n", i, i, i % 7, i * 3 % 11);
+    builder_text(&builder, "$EndNodes\n$Elements\n%d\n", N + 1);
+    for (int i = 1; i <= N; i++)
+        builder_text(&builder, "%d 15 2 %d %d %d\n", i, i % 3, i, i * 9 % N + 1);
+    builder_text(&builder, "%d 4 2 1 1 1 2 3 6\n$EndElements\n", N + 1);
+    for (int k = 0; k < 2; k++)
+        assert_int_equal(builder_read(&builder, &io_format_gmsh, 1 + 2 * k, &file[k], &error), 0);
+    for (int i = 1; i <= N; i++) {
+        const io_model *model = &file[1]->model;
+        const int32_t entity = model->node_entity[i * 9 % N];
+        assert_int_equal(entity, file[0]->model.node_entity[i * 9 % N]);
+        assert_int_equal(entity < 0 ? 0 : model->entity[entity].physical[0], i % 3);
+    }
+    planish_file_close(file[0]);
+    planish_file_close(file[1]);
+    builder_release(&builder);
+}
+
+/** Corners of the geometry that are in no group are nothing but held. */
+static void points_without_groups_are_none(void **state) {
+    (void)state;
+    planish_file *file = reading_text(
+        &io_format_gmsh,
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n"
+        "$EndNodes\n$Elements\n2\n1 15 2 0 1 1\n2 4 2 0 1 1 2 3 4\n$EndElements\n");
+    assert_null(file->model.node_entity);
+    reading_holds(file, NULL, 0, "1000");
+    planish_file_close(file);
+}
+
 /** Gmsh writes an element of several groups once for each of them: it is one element. */
 static void copies_are_one_element(void **state) {
     (void)state;
@@ -419,6 +584,9 @@ int main(void) {
         cmocka_unit_test(every_type_has_its_nodes_in_order),
         cmocka_unit_test(threads_read_the_same),
         cmocka_unit_test(threads_read_a_block),
+        cmocka_unit_test(points_put_nodes_into_groups),
+        cmocka_unit_test(threads_read_the_same_points),
+        cmocka_unit_test(points_without_groups_are_none),
         cmocka_unit_test(copies_are_one_element),
         cmocka_unit_test(mids_are_held_with_their_ends),
         cmocka_unit_test(orders_are_mixed),

@@ -518,6 +518,10 @@ int planish_file_choose_regions(planish_file *file, const char *const *names, in
                        "file and each of n_names names must not be NULL");
     const pl_outside outside = pl_call_enter(NULL);
     int status = io_arrays_choose(&file->model, names, n_names, error);
+    if (!status && n_names > 0) {
+        io_file_free_groups(file); /* as they were listed before */
+        status = io_model_hold_again(&file->model, error);
+    }
     if (!status)
         status = find_regions(file, error);
     pl_call_leave(&outside);

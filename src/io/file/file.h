@@ -48,6 +48,10 @@ int io_file_has_integers(const planish_file *file, int64_t i);
  *  format: that it was read as; NULL: text has as many digits as it needs. */
 int io_model_finish(io_model *model, const io_format *format, planish_error *error);
 
+/** Decide again which lines and facets are plain, and which hold their nodes, as arrays have given them other
+ *  tags. Entities of the file's own stay, and so does what they hold. */
+int io_model_hold_again(io_model *model, planish_error *error);
+
 /** Return the i-th path that a file of the mesh at path can have. format: its name, or NULL: told
  *  by the extension. Owned; NULL behind the last, of meshes that are one file, and without
  *  memory. */

@@ -222,10 +222,15 @@ static int move_behind(io_model *model, int dim, const uint8_t *is_plain, planis
         status = io_cells_reserve_mids(model, dim, error);
     if (!status && old.region && !(cells->region = pl_alloc(old.n, sizeof *old.region)))
         status = pl_fail_memory(error, "the elements of the file");
+    if (status) {
+        io_cells_release(cells);
+        *cells = old;
+        return status;
+    }
     for (int64_t i = 0; i < old.n; i++)
         cells->n_plain += is_plain[i];
     int64_t to[2] = {0, old.n - cells->n_plain};
-    for (int64_t i = 0; i < old.n && !status; i++) {
+    for (int64_t i = 0; i < old.n; i++) {
         const int64_t k = to[is_plain[i]]++;
         memcpy(cells->nodes + k * (dim + 1), old.nodes + i * (dim + 1), size);
         if (old.mid)
@@ -239,7 +244,7 @@ static int move_behind(io_model *model, int dim, const uint8_t *is_plain, planis
     }
     cells->n = old.n;
     io_cells_release(&old);
-    return status;
+    return PLANISH_OK;
 }
 
 /** Move the plain facets of other types behind the rest. */
@@ -249,7 +254,12 @@ static int move_others_behind(io_model *model, const uint8_t *is_plain, planish_
     int status = io_others_reserve(model, 2, old.n, old.n_nodes, old.entity != NULL, error);
     if (!status && old.region && !(o->region = pl_alloc(old.n, sizeof *old.region)))
         status = pl_fail_memory(error, "the elements of the file");
-    for (int pass = 0; pass < 2 && !status; pass++)
+    if (status) {
+        io_others_release(o);
+        *o = old;
+        return status;
+    }
+    for (int pass = 0; pass < 2; pass++)
         for (int64_t i = 0; i < old.n; i++) {
             if (is_plain[i] != pass)
                 continue;
@@ -266,7 +276,7 @@ static int move_others_behind(io_model *model, const uint8_t *is_plain, planish_
             o->n_plain += pass;
         }
     io_others_release(&old);
-    return status;
+    return PLANISH_OK;
 }
 
 /** Find plain cells of a list: there are any if these are all that elements of solid_dim have. */
@@ -310,6 +320,29 @@ static int find_plain(io_model *model, int list, int solid_dim, planish_error *e
     pl_free(l.slot);
     pl_free(l.around);
     pl_free(l.where);
+    return status;
+}
+
+/** Find the plain cells of all lists of lower dimension than the elements. */
+static int find_all_plain(io_model *model, planish_error *error) {
+    const int dim = io_model_dim(model);
+    int status = PLANISH_OK;
+    for (int d = 1; d < dim && !status; d++)
+        status = find_plain(model, d, dim, error);
+    if (!status && dim == 3)
+        status = find_plain(model, IO_FLAT_LIST, dim, error);
+    return status;
+}
+
+int io_model_hold_again(io_model *model, planish_error *error) {
+    const unsigned by_lower = IO_HELD_BY_LINE | IO_HELD_BY_FACE;
+    if (model->has_entities || model->lower_are_held)
+        return PLANISH_OK;
+    const int status = find_all_plain(model, error);
+    for (int64_t i = 0; i < model->n_nodes && !status; i++)
+        model->hold[i] &= (uint8_t)~by_lower;
+    if (!status)
+        io_model_hold_lower(model, io_model_dim(model));
     return status;
 }
 
@@ -370,10 +403,8 @@ int io_model_finish(io_model *model, const io_format *format, planish_error *err
     const int dim = model->dim = io_model_dim(model);
     model->n_other -= model->flat.n + model->solid.n; /* which readers have counted, too */
     int status = io_complete_mids(model, error);
-    for (int d = 1; d < dim && !status; d++)
-        status = find_plain(model, d, dim, error);
-    if (!status && dim == 3)
-        status = find_plain(model, IO_FLAT_LIST, dim, error);
+    if (!status)
+        status = find_all_plain(model, error);
     if (status)
         return status;
     /* Points that name every node say nothing of any: Mmg writes all vertices so, and others vertex

@@ -212,11 +212,14 @@ static int gmsh_read(io_model *model, planish_error *error) {
     if (!status)
         status = check_numbers(&reader, &model->tetrahedron);
     if (!status)
+        status = gmsh_take_points(&reader);
+    if (!status)
         status = gmsh_complete_names(&reader);
     if (!status)
         status = gmsh_read_data(&reader);
     io_text_release(&reader.text);
     pl_free(reader.entity);
+    pl_free(reader.point);
     pl_free(reader.data);
     return status;
 }

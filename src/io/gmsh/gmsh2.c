@@ -48,6 +48,11 @@ typedef struct element_head {
     element_owner owner;
 } element_head;
 
+/** Return whether an element is a point that is in a group. */
+static int is_grouped_point(const element_head *head) {
+    return head->type->shape == IO_POINT && head->owner.physical != 0;
+}
+
 static int same_owner(element_owner a, element_owner b) {
     return a.dim == b.dim && a.physical == b.physical && a.elementary == b.elementary;
 }
@@ -100,7 +105,9 @@ typedef struct element_chunk {
     int64_t n_held[4];      /* those that are not; */
     unsigned has_mids;      /* bit DIM: of those that are kept some are of second order */
     int64_t n_others[4];    /* those of these that are others, */
-    int64_t n_nodes[4];     /* and the number of their nodes */
+    int64_t n_nodes[4];     /* and the number of their nodes; */
+    int64_t n_points;       /* points that are in a group, */
+    gmsh_point *point;      /* and where they go */
     int64_t first[4];       /* index of the first cell in the model, */
     int64_t first_other[4]; /* of the first one of the others, */
     int64_t first_node[4];  /* and of its first node there */
@@ -158,6 +165,7 @@ static int count_chunk(const gmsh_reader *reader, element_chunk *chunk, planish_
         chunk->has_mids |= (unsigned)(io_element_mids(head.type) > 0) << dim;
         const int n_nodes = io_cell_type_nodes(io_element_other(head.type));
         chunk->n_others[dim] += n_nodes > 0;
+        chunk->n_points += is_grouped_point(&head);
         chunk->n_nodes[dim] += n_nodes;
     }
     chunk->lines.end = cursor.at;
@@ -169,7 +177,7 @@ static int count_chunk(const gmsh_reader *reader, element_chunk *chunk, planish_
 static int store_chunk(const gmsh_reader *reader, element_chunk *chunk, planish_error *error) {
     io_model *model = reader->model;
     io_cursor cursor = chunk->lines;
-    int64_t run = 0, next[4], other[4], node[4];
+    int64_t run = 0, n_points = 0, next[4], other[4], node[4];
     element_head head;
     memcpy(next, chunk->first, sizeof next);
     memcpy(other, chunk->first_other, sizeof other);
@@ -182,6 +190,7 @@ static int store_chunk(const gmsh_reader *reader, element_chunk *chunk, planish_
         if (run == chunk->n_owners || !same_owner(chunk->owner[run], head.owner))
             return io_bytes_fail_changed(&model->input, error);
         const int dim = io_element_dim(head.type);
+        const int has_point = is_grouped_point(&head);
         const gmsh_block block = {.reader = reader,
                                   .type = head.type,
                                   .cells = io_element_cells(model, head.type),
@@ -189,10 +198,12 @@ static int store_chunk(const gmsh_reader *reader, element_chunk *chunk, planish_
                                   .other = io_element_other(head.type),
                                   .first = other[dim],
                                   .first_node = node[dim],
+                                  .point = has_point ? chunk->point + n_points : NULL,
                                   .entity = chunk->entity[run],
                                   .reason = io_element_reason(head.type)};
         const int n_nodes = io_cell_type_nodes(block.other);
-        if ((block.cells && next[dim] == chunk->first[dim] + chunk->n_cells[dim]) ||
+        if ((has_point && n_points == chunk->n_points) ||
+            (block.cells && next[dim] == chunk->first[dim] + chunk->n_cells[dim]) ||
             (block.mids > 0 && !(chunk->has_mids >> dim & 1)) ||
             (block.other && (other[dim] == chunk->first_other[dim] + chunk->n_others[dim] ||
                              n_nodes > chunk->first_node[dim] + chunk->n_nodes[dim] - node[dim])))
@@ -201,10 +212,13 @@ static int store_chunk(const gmsh_reader *reader, element_chunk *chunk, planish_
                                    block.cells ? next[dim] : other[dim], error);
         if (status)
             return status;
+        n_points += has_point;
         next[dim] += block.cells != NULL;
         other[dim] += n_nodes > 0;
         node[dim] += n_nodes;
     }
+    if (n_points != chunk->n_points)
+        return io_bytes_fail_changed(&model->input, error);
     for (int dim = 1; dim < 4; dim++)
         if (next[dim] != chunk->first[dim] + chunk->n_cells[dim] ||
             other[dim] != chunk->first_other[dim] + chunk->n_others[dim] ||
@@ -289,6 +303,23 @@ static int lay_out_chunks(element_job *job) {
     return status;
 }
 
+/** Make room for the points of all chunks. */
+static int lay_out_points(element_job *job) {
+    gmsh_reader *reader = job->reader;
+    int64_t n = 0;
+    reader->n_points = 0; /* there are some if this is read once more */
+    for (int64_t i = 0; i < job->n; i++)
+        n += job->chunk[i].n_points;
+    gmsh_point *point = n > 0 ? gmsh_add_points(reader, n) : NULL;
+    if (n > 0 && !point)
+        return pl_fail_memory(job->error, "points");
+    for (int64_t i = 0; i < job->n && point; i++) {
+        job->chunk[i].point = point;
+        point += job->chunk[i].n_points;
+    }
+    return PLANISH_OK;
+}
+
 /** Read n elements up to end; in chunks, the caller reads once more should it fail. */
 static int read_text_elements(gmsh_reader *reader, int64_t n, const char *end, int in_chunks) {
     io_model *model = reader->model;
@@ -305,6 +336,8 @@ static int read_text_elements(gmsh_reader *reader, int64_t n, const char *end, i
                             (long long)n, (long long)found);
     if (!status)
         status = lay_out_chunks(&job);
+    if (!status)
+        status = lay_out_points(&job);
     if (!status)
         status = run_chunks(&job, store_chunk);
     for (int64_t i = 0; job.chunk && i < job.n; i++) {
@@ -356,7 +389,7 @@ static int take_block_head(gmsh_reader *reader, const io_element_type **type, in
 static int read_binary_block(gmsh_reader *reader, int64_t total, int64_t *done) {
     int64_t n = 0, n_tags = 0, number = 0, tag[2] = {0, 0}, ignored;
     element_owner last = {-1, 0, 0};
-    gmsh_block block = {.reader = reader, .bytes = 4};
+    gmsh_block block = {.reader = reader, .entity = -1, .bytes = 4};
     int status = take_block_head(reader, &block.type, &n, &n_tags);
     if (!status && n > total - *done)
         return io_fail_at(reader->model, reader->cursor.at, reader->error,

@@ -2,6 +2,7 @@
  * numbers, nodes, elements and periodic pairs. */
 #include "io/gmsh/gmsh_reader.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/memory.h"
@@ -323,6 +324,12 @@ int gmsh_end_nodes(gmsh_reader *reader) {
 
 /* ---- elements and pairs ------------------------------------------------------------------- */
 
+/** Return whether elements of a block may be points in groups. */
+static int may_have_groups(const io_model *model, const gmsh_block *block) {
+    return block->type->shape == IO_POINT &&
+           (block->entity < 0 || model->entity[block->entity].n_physical > 0);
+}
+
 int gmsh_begin_block(gmsh_reader *reader, gmsh_block *block, int64_t n) {
     io_model *model = reader->model;
     const int dim = io_element_dim(block->type);
@@ -336,6 +343,9 @@ int gmsh_begin_block(gmsh_reader *reader, gmsh_block *block, int64_t n) {
     block->first_node = others->n_nodes;
     if (!block->cells)
         io_element_count(model, block->type, n);
+    block->point = NULL;
+    if (may_have_groups(model, block) && !(block->point = gmsh_add_points(reader, n)))
+        return pl_fail_memory(reader->error, "points");
     if (block->cells)
         status = io_cells_reserve(model, dim, n, 1, 1, reader->error);
     else if (block->other)
@@ -377,6 +387,8 @@ int gmsh_read_element(const gmsh_block *block, io_cursor *cursor, const char *at
             to[i] = (int32_t)node;
         if (!cells && !block->other && block->reason != 0)
             io_hold_node(reader->model, node, block->reason);
+        if (block->point)
+            block->point[index - block->first] = (gmsh_point){(int32_t)node, block->entity};
     }
     if (cells) {
         cells->number[index] = number;
@@ -391,6 +403,91 @@ int gmsh_read_element(const gmsh_block *block, io_cursor *cursor, const char *at
         io_others_set(reader->model, index, block->first_node + (index - block->first) * n,
                       block->other, all, number);
         io_model_others(reader->model, io_element_dim(block->type))->entity[index] = block->entity;
+    }
+    return PLANISH_OK;
+}
+
+/* ---- points ------------------------------------------------------------------------------- */
+
+gmsh_point *gmsh_add_points(gmsh_reader *reader, int64_t n) {
+    gmsh_point *point = pl_grow(reader->point, reader->n_points, reader->n_points + n,
+                                &reader->point_capacity, sizeof *point);
+    if (!point)
+        return NULL;
+    reader->point = point;
+    point += reader->n_points;
+    reader->n_points += n;
+    return point;
+}
+
+static int compare_points(const void *left, const void *right) {
+    const gmsh_point *a = left, *b = right;
+    if (a->node != b->node)
+        return a->node < b->node ? -1 : 1;
+    return (a->entity > b->entity) - (a->entity < b->entity);
+}
+
+static int compare_groups(const void *left, const void *right) {
+    const int32_t a = *(const int32_t *)left, b = *(const int32_t *)right;
+    return (a > b) - (a < b);
+}
+
+/** Find the entity of a node with n points, one or more: in all groups that these are in. */
+static int32_t join_points(io_model *model, const gmsh_point *point, int64_t n,
+                           planish_error *error) {
+    const int32_t first = point[0].entity;
+    int64_t n_all = 0, n_kept = 0;
+    if (first == point[n - 1].entity)
+        return first;
+    for (int64_t i = 0; i < n; i++)
+        n_all += model->entity[point[i].entity].n_physical;
+    int32_t *group = n_all <= INT32_MAX ? pl_alloc(n_all, sizeof *group) : NULL;
+    if (!group)
+        return pl_fail_memory(error, "groups of points");
+    for (int64_t i = 0, at = 0; i < n; i++) {
+        const io_entity *e = &model->entity[point[i].entity];
+        memcpy(group + at, e->physical, (size_t)e->n_physical * sizeof *group);
+        at += e->n_physical;
+    }
+    qsort(group, (size_t)n_all, sizeof *group, compare_groups);
+    for (int64_t i = 0; i < n_all; i++)
+        if (i == 0 || group[i] != group[n_kept - 1])
+            group[n_kept++] = group[i];
+    const int32_t entity =
+        io_model_entity(model, 0, model->entity[first].tag, (int)n_kept, group, error);
+    pl_free(group);
+    return entity;
+}
+
+/** Leave out points that are in no group. */
+static void keep_grouped(gmsh_reader *reader) {
+    int64_t n = 0;
+    for (int64_t i = 0; i < reader->n_points; i++)
+        if (reader->model->entity[reader->point[i].entity].n_physical > 0)
+            reader->point[n++] = reader->point[i];
+    reader->n_points = n;
+}
+
+int gmsh_take_points(gmsh_reader *reader) {
+    io_model *model = reader->model;
+    keep_grouped(reader);
+    const gmsh_point *point = reader->point;
+    const int64_t n = reader->n_points;
+    if (n == 0)
+        return PLANISH_OK;
+    model->node_entity = pl_alloc(model->n_nodes, sizeof *model->node_entity);
+    if (!model->node_entity)
+        return pl_fail_memory(reader->error, "groups of points");
+    for (int64_t i = 0; i < model->n_nodes; i++)
+        model->node_entity[i] = -1;
+    qsort(reader->point, (size_t)n, sizeof *point, compare_points);
+    for (int64_t begin = 0, end; begin < n; begin = end) {
+        for (end = begin + 1; end < n && point[end].node == point[begin].node;)
+            end++;
+        const int32_t entity = join_points(model, point + begin, end - begin, reader->error);
+        if (entity < 0)
+            return entity;
+        model->node_entity[point[begin].node] = entity;
     }
     return PLANISH_OK;
 }

@@ -7,6 +7,7 @@
  *   gmsh_check_count                      counts that the file can hold
  *   gmsh_make_nodes, gmsh_read_nodes      nodes of all versions
  *   gmsh_block, gmsh_read_element         elements of all versions
+ *   gmsh_point, gmsh_take_points          points that may be in groups
  *   gmsh_periodic                         periodic pairs of all versions
  *
  * A reader stands with its cursor behind the name of a section and leaves it before the section's
@@ -28,6 +29,11 @@ typedef struct gmsh_entity {
     int interface; /* between parts of a partition: nothing of the geometry */
 } gmsh_entity;
 
+/** A point of the geometry: its node, and the entity that it is on in the model. */
+typedef struct gmsh_point {
+    int32_t node, entity;
+} gmsh_point;
+
 /** A section of values, $NodeData or $ElementData. */
 typedef struct gmsh_data {
     int of_elements;          /* else of nodes */
@@ -47,6 +53,8 @@ typedef struct gmsh_reader {
     int have_nodes, have_elements;
     gmsh_entity *entity; /* [n_entities], owned, by dim and tag once $Entities are read */
     int64_t n_entities, entity_capacity;
+    gmsh_point *point; /* [n_points], owned: those of entities that may be in groups */
+    int64_t n_points, point_capacity;
     gmsh_data *data; /* [n_data], owned, in the file's order */
     int64_t n_data, data_capacity;
 } gmsh_reader;
@@ -61,12 +69,14 @@ typedef struct gmsh_block {
     int other;          /* their planish_cell_type if they are others, else 0 */
     int64_t first;      /* index of the first in cells or in the others of its dimension, */
     int64_t first_node; /* and there of its first node */
+    gmsh_point *point;  /* where points go, or NULL */
     int32_t entity;
     uint8_t reason; /* why nodes are held; 0: they are not */
     int bytes;      /* of a number; 0: text */
 } gmsh_block;
 
-/** Begin a block of n elements of its type: say where they go, and make room there. */
+/** Begin a block of n elements of its type and entity, -1 if they are of several: say where they go, and
+ *  make room there. */
 int gmsh_begin_block(gmsh_reader *reader, gmsh_block *block, int64_t n);
 
 /** End a block whose n elements have been read. */
@@ -118,6 +128,12 @@ int gmsh_end_nodes(gmsh_reader *reader);
  *  messages. */
 int gmsh_read_element(const gmsh_block *block, io_cursor *cursor, const char *at, int64_t number,
                       int64_t index, planish_error *error);
+
+/** Make room for n more points. NULL without memory. */
+gmsh_point *gmsh_add_points(gmsh_reader *reader, int64_t n);
+
+/** Put the nodes of points into the groups of these: model->node_entity. */
+int gmsh_take_points(gmsh_reader *reader);
 
 /** Read $Periodic of all versions: the nodes of pairs of entities are held. In MSH 2 the section is
  *  text in binary files, too. */

@@ -28,6 +28,14 @@ static const io_view_type types[] = {{PLANISH_CELL_TETRAHEDRON, "Tetrahedra", 0}
                                      {PLANISH_CELL_LINE3, "EdgesP2", 0},
                                      {0, NULL, 0}};
 
+/** Return the reference of a node: the number of its first group, or of its entity. */
+static int32_t reference_of(const io_model *model, int64_t node) {
+    const int32_t index = model->node_entity ? model->node_entity[node] : -1;
+    const io_entity *entity = index >= 0 ? &model->entity[index] : NULL;
+    const int has_group = entity && entity->n_physical > 0 && !model->groups_by_name;
+    return has_group ? entity->physical[0] : entity ? entity->tag : 0;
+}
+
 static void put_vertices(io_writer *writer, const io_view *view) {
     const io_model *model = view->model;
     const int columns = model->dim == 2 && model->written == 2 && !model->z ? 2 : 3;
@@ -39,8 +47,7 @@ static void put_vertices(io_writer *writer, const io_view *view) {
         io_view_place(view, i, place);
         for (int d = 0; d < columns; d++)
             io_put_real(writer, d ? ' ' : 0, place[d], is_float);
-        const int32_t entity = model->node_entity ? model->node_entity[i] : -1;
-        io_put_integer(writer, ' ', entity >= 0 ? model->entity[entity].tag : 0);
+        io_put_integer(writer, ' ', reference_of(model, i));
         io_put_text(writer, "\n");
     }
 }

@@ -258,12 +258,13 @@ void io_view_lose_ends(const io_model *model, io_losses *losses) {
 
 void io_view_lose_references(const io_view *view, io_losses *losses) {
     const io_model *model = view->model;
+    const int has_numbers = model->node_entity && !model->groups_by_name;
     int is_lost = 0;
-    for (int32_t i = 0; i < model->n_entities && model->node_entity; i++) {
-        const io_entity *e = &model->entity[i];
-        const int is_numbered =
-            e->dim == 0 && !model->groups_by_name && (e->n_physical > 0 || e->tag != 0);
-        is_lost |= is_numbered && io_view_next_group(view, i, -1) < 0;
+    for (int64_t i = 0; i < model->n_nodes && has_numbers && !is_lost; i++) {
+        const int32_t entity = model->node_entity[i];
+        const io_entity *e = entity >= 0 ? &model->entity[entity] : NULL;
+        const int is_numbered = e && (e->n_physical > 0 || e->tag != 0);
+        is_lost = is_numbered && io_view_next_group(view, entity, -1) < 0;
     }
     if (is_lost)
         io_losses_add(losses, "references of nodes");
