@@ -249,16 +249,24 @@ static void names_of_blocks_are_distinct(void **state) {
     planish_file_close(file);
 }
 
+/** Read the converted file to model, the bytes of which are to be freed, and its header, which refers to model. */
+static char *read_converted(const char *folder, char path[TEST_PATH_SIZE], size_t *size,
+                            io_model *model, netcdf_header *header) {
+    planish_error error = {.text = ""};
+    char *bytes = test_read(test_path(path, folder, "out-exodus.e"), size);
+    *model = (io_model){.input = {.path = path, .data = bytes, .size = (int64_t)*size}};
+    if (netcdf_header_read(model, header, &error))
+        fail_msg("%s", error.text);
+    return bytes;
+}
+
 /** Expect that side set k (from 1) of the converted file has n sides and that name. */
 static void check_side_set(const char *folder, int k, int n, const char *name) {
     char path[TEST_PATH_SIZE], text[32];
     size_t size;
     netcdf_header header;
-    planish_error error = {.text = ""};
-    char *bytes = test_read(test_path(path, folder, "out-exodus.e"), &size);
-    const io_model model = {.input = {.path = path, .data = bytes, .size = (int64_t)size}};
-    if (netcdf_header_read(&model, &header, &error))
-        fail_msg("%s", error.text);
+    io_model model;
+    char *bytes = read_converted(folder, path, &size, &model, &header);
     snprintf(text, sizeof text, "num_side_ss%d", k);
     assert_int_equal(netcdf_header_dimension(&header, text), n);
     const netcdf_variable *v = netcdf_header_find(&header, "ss_names");
@@ -303,11 +311,8 @@ static planish_file *open_with_one_number(const char *folder) {
     char path[TEST_PATH_SIZE];
     size_t size;
     netcdf_header header;
-    planish_error error = {.text = ""};
-    char *bytes = test_read(test_path(path, folder, "out-exodus.e"), &size);
-    const io_model model = {.input = {.path = path, .data = bytes, .size = (int64_t)size}};
-    if (netcdf_header_read(&model, &header, &error))
-        fail_msg("%s", error.text);
+    io_model model;
+    char *bytes = read_converted(folder, path, &size, &model, &header);
     bytes[netcdf_header_find(&header, "ns_prop1")->begin + 3] = 7;
     bytes[netcdf_header_find(&header, "ss_prop1")->begin + 3] = 7;
     netcdf_header_release(&header);

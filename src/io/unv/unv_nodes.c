@@ -13,7 +13,6 @@
 #include "base/status.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 enum {
     COLUMN = 25,
@@ -252,13 +251,17 @@ static void note_system(unv_reader *r, const io_section *s) {
         r->common = find_system(r, system);
 }
 
+static int is_exponent(char c) {
+    return c == 'D' || c == 'd' || c == 'E' || c == 'e';
+}
+
 /** Note the letter of exponents, if coordinates have one: datasets are written by Fortran's 1PD25.16
  *  or 1PE13.5, and numbers without an exponent mean others there. */
 static void note_exponent(io_model *model, const io_section *s) {
     enum { MOST = 10000 }; /* bytes */
     const char *end = s->end - s->data > MOST ? s->data + MOST : s->end;
     const char *at = s->data;
-    while (at < end && !memchr("DdEe", *at, 4))
+    while (at < end && !is_exponent(*at))
         at++;
     if (at == end)
         return;
