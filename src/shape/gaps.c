@@ -23,6 +23,9 @@ enum { CHUNK = 256 };
  * one sheet, or at a crease, it runs along the facets. */
 #define FACING 0.5
 
+/* Above the length of a normal that is kept in floats, and the rounding of what is along it. */
+#define MORE 1.001
+
 typedef struct gap_search {
     const planish_shape *shape;
     const float *tolerance;   /* [n_facets] */
@@ -145,6 +148,31 @@ static int is_around(void *context, int64_t index) {
     return node >= 0 && (node == v[0] || node == v[1] || node == v[2]);
 }
 
+/** Find where the corners of a triangle x are along an axis through a point. */
+static void find_span(const double axis[3], const double *point, const double *const x[3],
+                      double span[2]) {
+    span[0] = INFINITY;
+    span[1] = -INFINITY;
+    for (int k = 0; k < 3; k++) {
+        double way[3];
+        pl_from_to(3, point, x[k], way);
+        const double at = pl_dot(3, axis, way);
+        span[0] = fmin(span[0], at);
+        span[1] = fmax(span[1], at);
+    }
+}
+
+/** Whether triangles a and b are farther apart than most along the normal of a facet. This is all that
+ *  most pairs of facets of two fans take. */
+static int are_apart(const gap_search *g, int32_t facet, const double *const a[3],
+                     const double *const b[3], double most) {
+    double axis[3], of_a[2], of_b[2];
+    pl_kept_normal(g->shape, facet, axis);
+    find_span(axis, a[0], a, of_a);
+    find_span(axis, a[0], b, of_b);
+    return fmax(of_a[0] - of_b[1], of_b[0] - of_a[1]) > most * MORE;
+}
+
 static int look_at_facet(void *context, int32_t item) {
     const look *l = context;
     const gap_search *g = l->search;
@@ -158,6 +186,8 @@ static int look_at_facet(void *context, int32_t item) {
         return 0;
     corners_of(s, l->facet, a);
     corners_of(s, other, b);
+    if (are_apart(g, l->facet, a, b, most) || are_apart(g, other, a, b, most))
+        return 0;
     const double square = pl_nearest_triangles(a, b, way);
     if (!(square <= most * most) || !is_across(g, l->facet, other, way, square))
         return 0;
