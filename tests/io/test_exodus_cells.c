@@ -211,6 +211,30 @@ static void shells_have_faces_and_edges(void **state) {
     planish_file_close(file);
 }
 
+/** Straight shells and lines on edges and faces of quadratic elements hold the mids there. */
+static void straight_blocks_hold_mids(void **state) {
+    static const int solid[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10}, shell[] = {1, 2, 3},
+                     line[] = {3, 4};
+    double x[UNIT_NODES][3];
+    netcdf_builder b;
+    (void)state;
+    assert_int_equal(unit_places(PLANISH_CELL_TETRAHEDRON10, TETRAHEDRON10, x), 10);
+    begin(&b, 2, 3, 10, x);
+    netcdf_put_integers(&b, "eb_prop1", 3, 0, (const int[]){1, 2, 3});
+    put_block(&b, 1, "TETRA10", 1, 10, solid);
+    put_block(&b, 2, "SHELL3", 1, 3, shell);
+    put_block(&b, 3, "BEAM2", 1, 2, line);
+    file_builder made = netcdf_end_file(&b);
+    planish_file *file = builder_file(&made, &io_format_exodus);
+    for (int i = 0; i < 10; i++) { /* 5, 6, 7: of the shell; 10: of the line */
+        const int on_shell = i < 3 || (i >= 4 && i < 7), on_line = i == 2 || i == 3 || i == 9;
+        assert_int_equal(file->model.hold[i],
+                         (on_shell ? IO_HELD_BY_FACE : 0) | (on_line ? IO_HELD_BY_LINE : 0));
+    }
+    planish_file_close(file);
+    builder_release(&made);
+}
+
 /* ---- blocks --------------------------------------------------------------------------------- */
 
 static file_builder make_bricks(int kind, int dim) {
@@ -327,6 +351,7 @@ int main(void) {
         cmocka_unit_test(elements_of_every_type_are_read),
         cmocka_unit_test(sides_are_facets),
         cmocka_unit_test(shells_have_faces_and_edges),
+        cmocka_unit_test(straight_blocks_hold_mids),
         cmocka_unit_test_setup_teardown(blocks_are_regions, test_folder_create, test_folder_remove),
         cmocka_unit_test(other_types_hold_their_nodes),
         cmocka_unit_test(polygons_and_polyhedra_hold_their_nodes),

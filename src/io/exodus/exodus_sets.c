@@ -13,6 +13,7 @@
 #include "base/status.h"
 #include "io/core/elements.h"
 #include "io/core/memberships.h"
+#include "io/core/mids.h"
 #include "io/core/parts.h"
 #include "io/core/records.h"
 #include "io/core/twins.h"
@@ -335,10 +336,12 @@ static int number_sets(sets *s) {
 int exodus_read_sets(exodus_reader *r) {
     io_model *model = r->model;
     sets s = {.r = r, .dim = io_model_dim(model)};
+    int status = io_complete_mids(model, r->error);
     /* Blocks of lower dimension hold their nodes, and side sets do not. */
     io_model_hold_lower(model, s.dim);
     model->lower_are_held = 1;
-    int status = exodus_labels_read(r, "ns_prop1", "ns_names", &s.nodes);
+    if (!status)
+        status = exodus_labels_read(r, "ns_prop1", "ns_names", &s.nodes);
     if (!status)
         status = exodus_labels_read(r, "ss_prop1", "ss_names", &s.sides);
     if (!status && s.nodes.n + s.sides.n > INT32_MAX - 1)
