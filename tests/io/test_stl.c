@@ -87,6 +87,20 @@ static void normals_of_moved_facets_are_renewed(void **state) {
     rewriting_gives(&io_format_stl, text, "x", expected, *state);
 }
 
+/** Facets without normals stay so, and "end solid" ends a solid. */
+static void files_of_other_programs_are_read(void **state) {
+#define BARE(a, b, c)                                                                              \
+    "facet\nouter loop\nvertex " a "\nvertex " b "\nvertex " c "\nendloop\nendfacet\n"
+    static const char text[] = "solid x\n" BARE("0 0 0", "1 0 0", "0 1 0")
+        FACET("0 0 2", "0 0 0", "0 1 0", "-1 0 0") "end solid\nsolid y\n" BARE(
+            "0 0 0", "-1 0 0", "0 -1 0") BARE("0 0 0", "0 -1 0", "1 0 0") "endsolid\n";
+    static const char expected[] = "solid x\n" BARE("0.125 0 0", "1 0 0", "0 1 0")
+        FACET("0 0 1", "0.125 0 0", "0 1 0", "-1 0 0") "end solid\nsolid y\n" BARE(
+            "0.125 0 0", "-1 0 0", "0 -1 0") BARE("0.125 0 0", "0 -1 0", "1 0 0") "endsolid\n";
+    rewriting_gives(&io_format_stl, text, "x", expected, *state);
+#undef BARE
+}
+
 static void wrong_files_are_refused(void **state) {
     (void)state;
     const io_format *f = &io_format_stl;
@@ -95,7 +109,8 @@ static void wrong_files_are_refused(void **state) {
         "solid\nfacet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 endloop endfacet\n"
         "endsolid\n",
         "test:2: facet 1: 'vertex' expected, not 'endloop'");
-    reading_fails(f, "solid\nfacet 0 0 1\n", "'normal' expected");
+    reading_fails(f, "solid\nfacet 0 0 1\n", "facet 1: 'outer' expected, not '0'");
+    reading_fails(f, "solid\nend facet\n", "'facet' or 'endsolid' expected, not 'end'");
     reading_fails(f, "solid\nvertex 0 0 1\n", "'facet' or 'endsolid' expected, not 'vertex'");
     reading_fails(f, "solid\n" SQUARE("0 0 1"), "cut short");
     reading_fails(f, "solid\n" SQUARE("0 0 1") "endsolid\nx\n", "test:17: 'solid' or the end");
@@ -234,6 +249,7 @@ int main(void) {
         cmocka_unit_test(solids_are_regions),
         cmocka_unit_test(normals_of_moved_facets_are_renewed),
         cmocka_unit_test(normals_are_unit_vectors_in_space),
+        cmocka_unit_test(files_of_other_programs_are_read),
         cmocka_unit_test(wrong_files_are_refused),
         cmocka_unit_test(binary_files_are_read_and_written),
         cmocka_unit_test(counts_of_binary_files_must_be_true),

@@ -192,7 +192,7 @@ static void wrong_files_are_refused(void **state) {
         {HEAD FOUR "1 1.5 tet 1 2 3 4\n", "its material"},
         {HEAD FOUR "1 2147483648 tet 1 2 3 4\n", "its material"},
         {HEAD FOUR TET TET, "more follows"},
-        {HEAD FOUR "1 1 tet2 1 2 3 4 1 2 3 4 1 2\n", "nothing to smooth"},
+        {HEAD FOUR "1 1 tet2 1 2 3 4 1 2 3 4 1 2\n", "its elements (1) are all of types"},
     };
     reading_refuses(&io_format_ucd, cases, sizeof cases / sizeof *cases);
 }

@@ -22,6 +22,7 @@
 #include "base/parallel.h"
 #include "base/status.h"
 
+#include <inttypes.h>
 #include <string.h>
 
 enum { CHUNK = 1 << 14, MOST_CORNERS = 4 };
@@ -399,6 +400,20 @@ static int finish_plane(io_model *model, const io_format *format, planish_error 
     return PLANISH_OK;
 }
 
+/** Fail for a mesh without an element of a known type. */
+static int fail_empty(const io_model *model, planish_error *error) {
+    const char *path = io_model_opened(model)->path;
+    if (model->n_other > 0)
+        return pl_fail(error, PLANISH_ERROR_FORMAT,
+                       "%s: its elements (%" PRId64
+                       ") are all of types that planish does not read, or of third "
+                       "order or higher: there is nothing to smooth",
+                       path, model->n_other);
+    return pl_fail(error, PLANISH_ERROR_FORMAT,
+                   "%s: has no element of two or three dimensions: there is nothing to smooth",
+                   path);
+}
+
 int io_model_finish(io_model *model, const io_format *format, planish_error *error) {
     const int dim = model->dim = io_model_dim(model);
     model->n_other -= model->flat.n + model->solid.n; /* which readers have counted, too */
@@ -420,9 +435,7 @@ int io_model_finish(io_model *model, const io_format *format, planish_error *err
     if (dim == 2 && io_model_n_elements(model) > 0)
         return finish_plane(model, format, error);
     if (dim == 2)
-        return pl_fail(error, PLANISH_ERROR_FORMAT,
-                       "%s: has no element of two or three dimensions: there is nothing to smooth",
-                       io_model_opened(model)->path);
+        return fail_empty(model, error);
     if (model->columns < 3)
         return pl_fail(error, PLANISH_ERROR_FORMAT,
                        "%s: solid elements in two dimensions; a third coordinate is missing",

@@ -6,7 +6,7 @@
  *     facet normal NX NY NZ  outer loop  vertex X Y Z  vertex X Y Z  vertex X Y Z  endloop endfacet
  *     endsolid NAME
  *
- * and maybe more solids, which are groups. Binary, little-endian: 80 bytes of any kind, the number
+ * and maybe more solids, which are groups. Some programs leave normals out, or write "end solid". Binary, little-endian: 80 bytes of any kind, the number
  * of facets (32 bits), and 50 bytes for each: normal and points as floats, and 2 bytes for colours.
  * The size of a file tells the two apart, as 80 bytes may begin with the word solid.
  *
@@ -32,13 +32,14 @@ enum {
     FACET_SIZE = 50,
     POINTS_AT = 12, /* in a facet */
     POINT_SIZE = 12,
-    FLOAT_SIZE = 4
+    FLOAT_SIZE = 4,
+    NO_NORMAL = -1
 };
 
 /** Places of normals in the file, for the writer: model->of_format. */
 typedef struct stl_normals {
     int64_t n;   /* facets */
-    int64_t *at; /* [n] byte of each normal in text; NULL: binary */
+    int64_t *at; /* [n] byte of each normal in text, or NO_NORMAL; NULL: binary */
 } stl_normals;
 
 typedef struct stl_reader {
@@ -173,19 +174,35 @@ static int take_words(stl_reader *r, const char *first, const char *second) {
     return PLANISH_OK;
 }
 
-/** Read a facet from behind its first word. Normals may be anything, nan for instance. */
+/** Take a word in any letter case, if it is the next one. */
+static int take_word_if(stl_reader *r, const char *word) {
+    io_cursor cursor = r->cursor;
+    io_skip_space(&cursor);
+    const int is_there = io_slice_is(io_next_word(&cursor), word, 1);
+    if (is_there)
+        r->cursor = cursor;
+    return is_there;
+}
+
+/** Pass over the normal of a facet, which may be anything, nan for instance. Return where it is. */
+static int64_t pass_over_normal(stl_reader *r) {
+    if (!take_word_if(r, "normal"))
+        return NO_NORMAL;
+    io_skip_space(&r->cursor);
+    const int64_t at = r->cursor.at - r->model->input.data;
+    for (int d = 0; d < 3; d++)
+        io_next_word(&r->cursor);
+    return at;
+}
+
+/** Read a facet from behind its first word. */
 static int read_facet(stl_reader *r, int32_t entity) {
     io_model *model = r->model;
     const int64_t place = model->n_nodes;
     if (r->normals->n == r->room)
         return io_bytes_fail_changed(&model->input, r->error);
-    int status = take_words(r, "normal", NULL);
-    io_skip_space(&r->cursor);
-    const char *normal = r->cursor.at;
-    for (int d = 0; d < 3; d++)
-        io_next_word(&r->cursor);
-    if (!status)
-        status = take_words(r, "outer", "loop");
+    const int64_t normal = pass_over_normal(r);
+    int status = take_words(r, "outer", "loop");
     for (int k = 0; k < 3 && !status; k++) {
         status = take_words(r, "vertex", NULL);
         if (!status)
@@ -193,7 +210,7 @@ static int read_facet(stl_reader *r, int32_t entity) {
     }
     if (!status)
         status = take_words(r, "endloop", "endfacet");
-    return status ? status : add_facet(r, entity, normal - model->input.data);
+    return status ? status : add_facet(r, entity, normal);
 }
 
 /** Read the solid whose name stands at the cursor: a group of that name, or of none. */
@@ -211,7 +228,8 @@ static int read_solid(stl_reader *r, int32_t tag) {
         io_skip_space(&r->cursor);
         const char *at = r->cursor.at;
         const io_slice word = io_next_word(&r->cursor);
-        if (io_slice_is(word, "endsolid", 1))
+        if (io_slice_is(word, "endsolid", 1) ||
+            (io_slice_is(word, "end", 1) && take_word_if(r, "solid")))
             return PLANISH_OK;
         if (!io_slice_is(word, "facet", 1))
             return io_fail_at(model, at, r->error,
@@ -271,7 +289,8 @@ static int load_facet(const io_model *model, int64_t facet, const double *coordi
     const int swapped = !io_machine_is_little();
     const char *at = model->input.data + HEADER_SIZE + facet * FACET_SIZE;
     int is_moved = 0;
-    if (normals->at)
+    memset(f->normal, 0, sizeof f->normal);
+    if (normals->at && normals->at[facet] != NO_NORMAL)
         find_numbers(model, normals->at[facet], f->normal, f->begin, f->end);
     for (int d = 0; !normals->at && d < 3; d++)
         f->normal[d] = (double)io_load_f32(at + d * FLOAT_SIZE, swapped);
