@@ -26,6 +26,9 @@ VTK_TYPES = {1: "vertex", 3: "line", 5: "triangle", 9: "quad", 10: "tetra", 12: 
              21: "line3", 22: "triangle6", 23: "quad8", 24: "tetra10", 25: "hexahedron20", 26: "wedge15", 27: "pyramid13",
              28: "quad9", 29: "hexahedron27", 32: "wedge18"}
 
+MFEM_TYPES = {1: ("line", 2), 2: ("triangle", 3), 3: ("quad", 4), 4: ("tetra", 4), 5: ("hexahedron", 8), 6: ("wedge", 6),
+              7: ("pyramid", 5)}
+
 
 class NotRead(Exception):
     """No reader takes the file."""
@@ -66,7 +69,7 @@ def read(path):
     """The mesh in a file; NotRead with the reasons."""
     reasons = []
     # Gmsh mistakes the nodes of wedges of second order in VTK's files.
-    for reader in {".stl": (_stl,), ".vtk": (_by_meshio, _by_vtk)}.get(pathlib.Path(path).suffix, (_by_meshio, _by_gmsh)):
+    for reader in READERS.get(pathlib.Path(path).suffix, (_by_meshio, _by_gmsh)):
         try:
             with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
                 mesh = reader(path)
@@ -102,6 +105,11 @@ def _by_vtk(path):
     reader.SetFileName(str(path))
     reader.Update()
     grid = reader.GetOutput()
+    return Mesh(vtk_to_numpy(grid.GetPoints().GetData()), _blocks_of_vtk(grid))
+
+
+def _blocks_of_vtk(grid):
+    from vtk.util.numpy_support import vtk_to_numpy  # pylint: disable=import-outside-toplevel
     offset, node = (vtk_to_numpy(a).astype(np.int64) for a in (grid.GetCells().GetOffsetsArray(),
                                                                grid.GetCells().GetConnectivityArray()))
     kind = vtk_to_numpy(grid.GetCellTypesArray())
@@ -110,7 +118,45 @@ def _by_vtk(path):
         chosen = np.flatnonzero(kind == number)
         n = offset[chosen[0] + 1] - offset[chosen[0]]
         blocks.append((VTK_TYPES[int(number)], node[offset[chosen][:, None] + np.arange(n)]))
-    return Mesh(vtk_to_numpy(grid.GetPoints().GetData()), blocks)
+    return blocks
+
+
+def _exodus(path):
+    """Exodus by VTK: each block has all points, in the file's order."""
+    import vtk  # pylint: disable=import-outside-toplevel
+    from vtk.util.numpy_support import vtk_to_numpy  # pylint: disable=import-outside-toplevel
+    reader = vtk.vtkExodusIIReader()
+    reader.SetFileName(str(path))
+    reader.SetSqueezePoints(False)
+    reader.SetApplyDisplacements(False)
+    reader.UpdateInformation()
+    reader.Update()
+    blocks, points = [], None
+    walk = reader.GetOutput().NewIterator()
+    while not walk.IsDoneWithTraversal():
+        grid = walk.GetCurrentDataObject()
+        blocks += _blocks_of_vtk(grid)
+        points = vtk_to_numpy(grid.GetPoints().GetData())
+        walk.GoToNextItem()
+    return Mesh(points, blocks)
+
+
+def _mfem(path):
+    """MFEM of first order: elements in VTK's order, and vertices behind all of them."""
+    content = re.sub(r"#.*", "", pathlib.Path(path).read_text(encoding="ascii"))
+    if not content.startswith("MFEM mesh v1.") or re.search(r"\bnodes\b", content):
+        return _by_meshio(path)
+    section = {name: words.split() for name, words in re.findall(r"(?m)^([a-z]+)$\s([^a-z]*)", content)}
+    rows = iter(map(int, section["elements"][1:]))
+    cells = {}
+    for _ in range(int(section["elements"][0])):
+        next(rows)
+        name, n = MFEM_TYPES[next(rows)]
+        cells.setdefault(name, []).append([next(rows) for _ in range(n)])
+    n, columns = map(int, section["vertices"][:2])
+    points = np.zeros((n, 3))
+    points[:, :columns] = np.array(section["vertices"][2:2 + n * columns], float).reshape(n, columns)
+    return Mesh(points, [(name, np.array(block, np.int64)) for name, block in cells.items()])
 
 
 def _stl(path):
@@ -149,6 +195,10 @@ def _by_gmsh(path):
         return Mesh(points.reshape(-1, 3)[order], blocks)
     finally:
         gmsh.finalize()
+
+
+READERS = {".stl": (_stl,), ".vtk": (_by_meshio, _by_vtk), ".mesh": (_mfem, _by_gmsh),
+           **dict.fromkeys((".exo", ".e", ".ex2", ".exii", ".exoii", ".g", ".gen", ".genesis"), (_exodus,))}
 
 
 # ---- bytes ---------------------------------------------------------------------------------------------
