@@ -50,7 +50,7 @@ def check(value, shape, where):
 
 BAD = {"element": int, "radius_ratio": (int, float, type(None)), "min_angle_deg": NUMBER,
        "max_angle_deg": NUMBER, "place": list, "nodes": list, "region": (str, type(None)),
-       "movable": bool, "held": (str, type(None))}
+       "movable": (bool, type(None)), "held": (str, type(None))}
 
 
 def check_histogram(quality, elements):

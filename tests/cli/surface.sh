@@ -151,6 +151,13 @@ expect_json "r['after']['max_aspect_ratio'] < r['before']['max_aspect_ratio'] an
 expect_json "r['after']['min_scaled_jacobian'] > r['before']['min_scaled_jacobian']"
 expect_status 0 "$program" quality quads.off
 grep -q "quadrilateral" out || fail "quality counts quadrilaterals"
+expect_status 0 "$program" quality quads.off -q --json report.json
+expect_json "len(r['quality']['worst_elements']) == 10 and r['quality']['counts'] == {'quadrilateral': 648}"
+printf '%s\n' OFF '5 5 0' '0 0 0' '2 0 0' '2 2 0' '0 2 0' '1 1 2' '4 3 2 1 0' '3 0 1 4' '3 1 2 4' '3 2 3 4' '3 3 0 4' >pyramid.off
+expect_status 0 "$program" quality pyramid.off --json report.json
+grep -q '^triangle  *4 ' out && grep -q '^quadrilateral  *1 ' out || fail "quality of triangles with quadrilaterals: $(cat out)"
+expect_json "r['quality']['counts'] == {'triangle': 4, 'quadrilateral': 1}"
+expect_status 0 "$program" advise pyramid.off
 
 # Options.
 expect_status 0 "$program" smooth torus-off.off -o out.off -q --objective worst --json worst.json

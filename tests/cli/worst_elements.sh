@@ -31,6 +31,14 @@ region=$(python3 -c "import json; print(json.load(open('report.json'))['quality'
 expect_status 0 "$program" quality ascii22.msh --fix "$region" --json report.json -q
 expect_json "not r['quality']['worst_elements'][0]['movable']"
 
+# Elements of other types have regions, too. quality does not find which of their nodes move.
+printf '%s\n' '12 2 0 0 0' '1 0 0 0' '2 1 0 0' '3 2 0 0' '4 0 1 0' '5 1 1 0' '6 2 1.5 0' '7 0 0 1' '8 1 0 1' \
+    '9 2 0 1' '10 0 1 1' '11 1 1 1' '12 2 1 1' '1 4 hex 1 2 5 4 7 8 11 10' '2 8 hex 2 3 6 5 8 9 12 11' >two.avs
+expect_status 0 "$program" quality two.avs --worst 2 --json report.json
+expect_json "[e['region'] for e in r['quality']['worst_elements']] == ['3:8', '3:4']"
+expect_json "all(e['movable'] is None for e in r['quality']['worst_elements'])"
+grep -q ", in 3:8$" out && ! grep -q "all fixed" out || fail "the list of hexahedra: $(cat out)"
+
 # smooth: before and after are of their own time.
 expect_status 0 "$program" quality bracket.msh --json before.json -q
 expect_status 0 "$program" smooth bracket.msh -o out.msh --json report.json -q

@@ -224,7 +224,9 @@ int pl_held_find_in_run(pl_job *job) {
     job->held_in_run = malloc((size_t)job->mesh.n_nodes + 1);
     if (!job->held_in_run)
         return pl_job_complain_memory(job, "values of nodes");
-    return job->engine->find_held(job, job->held_in_run, &error)
+    pl_job all = *job; /* the command quality has left out elements of other types */
+    pl_job_take_all(&all);
+    return job->engine->find_held(&all, job->held_in_run, &error)
                ? pl_job_complain(job, PL_EXIT_FAILED, &error)
                : 0;
 }

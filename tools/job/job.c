@@ -257,6 +257,8 @@ static void keep_simplices(pl_job *job) {
     while (job->simplices.n < cells->n &&
            pl_cell_is_simplex((planish_cell_type)cells->type[job->simplices.n]))
         job->simplices.n++;
+    if (job->is_surface && job->simplices.n < cells->n) /* whose shape is of all elements */
+        job->simplices.n = 0;
     job->mesh.cells = &job->simplices;
     job->mesh.n_elements = job->simplices.n;
 }

@@ -90,7 +90,7 @@ static int select_cells(const pl_job *job, const pl_cells *cells, int64_t n, pl_
 static int find_region(const pl_job *job, const int32_t *region, pl_worst *worst,
                        pl_bad_element *bad) {
     char first[1];
-    if (!region || bad->element >= job->mesh.n_elements || region[bad->element] < 0)
+    if (!region || region[bad->element] < 0)
         return 0;
     char **tag = &worst->tag[region[bad->element]];
     if (!*tag) {
@@ -120,8 +120,8 @@ static const int32_t *nodes_of(const pl_job *job, const pl_cells *cells, int64_t
 }
 
 /** Fill in the numbers and the middle of an element, and its angles if it is one of the simplices.
- *  node [n_nodes] takes the numbers of its nodes. is_free [n_nodes of the mesh], or NULL: nothing
- *  moves. */
+ *  node [n_nodes] takes the numbers of its nodes. is_free [n_nodes of the mesh], or NULL: that is not
+ *  known. */
 static void place(const pl_job *job, const pl_cells *cells, const uint8_t *is_free, int columns,
                   int64_t *node, pl_bad_element *bad) {
     const int dim = job->mesh.dim, element_dim = pl_job_element_dim(job);
@@ -136,6 +136,7 @@ static void place(const pl_job *job, const pl_cells *cells, const uint8_t *is_fr
                 : dim == 3 ? PLANISH_CELL_TETRAHEDRON
                            : PLANISH_CELL_TRIANGLE;
     bad->node = node;
+    bad->is_movable = is_free ? 0 : -1;
     for (int k = 0; k < n; k++) {
         if (nodes[k] < 0)
             continue;
@@ -176,11 +177,12 @@ static int find_worst(const pl_job *job, const pl_cells *cells, int64_t n, pl_wo
     enum { MOST_NODES = 27 };
     const int32_t *region = planish_file_surface(job->file, NULL).region;
     const int64_t most_nodes = cells_of(job, cells) ? MOST_NODES : job->mesh.dim + 1;
+    const int64_t n_elements = planish_file_mesh(job->file).n_elements;
     int32_t last = -1;
     int status = cells ? select_cells(job, cells, n, worst) : pl_worst_select(job, n, worst);
     if (status)
         return status;
-    for (int64_t i = 0; region && i < job->mesh.n_elements; i++)
+    for (int64_t i = 0; region && i < n_elements; i++)
         last = region[i] > last ? region[i] : last;
     uint8_t *is_free = malloc((size_t)job->mesh.n_nodes + 1);
     worst->node = malloc((size_t)(worst->n * most_nodes + 1) * sizeof *worst->node);

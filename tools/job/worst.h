@@ -27,7 +27,7 @@ typedef struct pl_bad_element {
                                                      pl_worst.node; a missing mid is left out */
     int n_nodes;
     const char *region; /* a tag of the file, of pl_worst.tag, or NULL: it has none */
-    int is_movable;     /* it has a movable node */
+    int is_movable;     /* it has a movable node; -1: that is not known */
     planish_held_by
         held_by; /* why smoothing holds all of these, by the first reason; _NONE: it does
                                 not, or is not asked */

@@ -54,7 +54,8 @@ static void add_worst_elements(pl_json *json, cJSON *quality, const pl_job *job,
             pl_json_text(json, element, "region", bad->region);
         else
             pl_json_add(json, element, "region", cJSON_CreateNull());
-        pl_json_add(json, element, "movable", cJSON_CreateBool(bad->is_movable));
+        pl_json_add(json, element, "movable",
+                    bad->is_movable < 0 ? cJSON_CreateNull() : cJSON_CreateBool(bad->is_movable));
         if (bad->held_by)
             pl_json_text(json, element, "held", pl_held_name_in_run(bad->held_by));
         else

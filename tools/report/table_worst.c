@@ -52,7 +52,7 @@ static void put_bad_element(FILE *stream, const pl_bad_element *bad, const pl_wo
         snprintf(number, sizeof number, " %" PRId64, bad->node[k]);
         width = put_further(stream, number, width);
     }
-    if (!bad->is_movable)
+    if (bad->is_movable == 0)
         width = put_further(stream, ", all fixed", width);
     if (bad->held_by) {
         width = put_further(stream, ", all ", width);
