@@ -95,20 +95,38 @@ static void numbers_may_begin_with_1(void **state) {
 static void marked_faces_and_edges_hold(void **state) {
     put(state, "a.node", nodes_from_1);
     put(state, "a.ele", elements_from_1);
-    put(state, "a.face", "3 1\n1 1 2 3 0\n2 1 2 4 5\n3 2 3 4 0\n");
-    put(state, "a.edge", "2 1\n1 4 5 -1\n2 3 2 0\n");
+    put(state, "a.face",
+        "7 1\n1 1 2 3 0\n2 1 2 4 5\n3 2 3 4 0\n4 1 3 4 0\n5 2 3 5 0\n6 2 4 5 0\n7 3 4 5 0\n");
+    put(state, "a.edge", "3 1\n1 4 5 -1\n2 3 2 0\n3 3 1 0\n");
     planish_file *file = open_mesh(state, "a.node");
     planish_file_info info;
     planish_file_get_info(file, &info);
-    assert_int_equal(info.n_lower_elements, 5);
+    assert_int_equal(info.n_lower_elements, 10);
     reading_holds(file, NULL, READING_REGIONS, "11011");
     reading_holds(file, "2:5", READING_REGIONS, "11011"); /* a known tag */
     planish_file_close(file);
-    put(state, "a.face", "1 0\n1 1 2 3\n"); /* without markers nothing is marked */
-    put(state, "a.edge", "0 1\n");
-    file = open_mesh(state, "a.node");
-    reading_holds(file, NULL, READING_REGIONS, "00000");
-    planish_file_close(file);
+}
+
+/** A file that does not list all faces or edges has those of constraints, of whatever marker. What stands behind
+ *  them without markers is none. */
+static void constraints_hold_without_markers(void **state) {
+    static const struct {
+        const char *face, *edge, *held;
+    } cases[] = {{"1 1\n1 1 2 3 0\n", "0 1\n", "11100"},
+                 {"1 0\n1 1 2 3 4 5\n", "0 1\n", "11100"},
+                 {"0 1\n", "2 1\n1 3 2 0\n2 3 1 0\n", "11100"},
+                 {"0 1\n", "3 1\n1 3 2 0\n2 3 1 0\n3 4 5 1\n", "00011"}};
+    put(state, "a.node", nodes_from_1);
+    put(state, "a.ele", elements_from_1);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        put(state, "a.face", cases[i].face);
+        put(state, "a.edge", cases[i].edge);
+        planish_file *file = open_mesh(state, "a.node");
+        reading_holds(file, NULL, READING_REGIONS, cases[i].held);
+        for (int64_t k = 0; k < file->model.triangle.n; k++)
+            assert_int_equal(file->model.entity[file->model.triangle.entity[k]].tag, 0);
+        planish_file_close(file);
+    }
 }
 
 static void attributes_that_are_no_integers_make_no_regions(void **state) {
@@ -151,13 +169,28 @@ static void threads_see_the_same_regions(void **state) {
 static void triangles_in_the_plane(void **state) {
     put(state, "a.1.node", "4 2 0 1\n1 0 0 1\n2 1 0 1\n3 1 1 0\n4 0 1 1\n");
     put(state, "a.1.ele", "2 3 0\n1 1 2 3\n2 1 3 4\n");
-    put(state, "a.1.edge", "2 1\n1 1 2 1\n2 1 3 0\n");
+    put(state, "a.1.edge", "5 1\n1 1 2 1\n2 1 3 0\n3 2 3 0\n4 3 4 0\n5 4 1 0\n");
     planish_file *file = open_mesh(state, "a.1.ele");
     planish_mesh mesh = planish_file_mesh(file);
     static const int32_t elements[] = {0, 1, 2, 0, 2, 3};
     assert_int_equal(mesh.dim, 2);
     assert_memory_equal(mesh.elements, elements, sizeof elements);
     assert_true(mesh.coordinates[2 * 2] == 1 && mesh.coordinates[2 * 2 + 1] == 1);
+    reading_holds(file, NULL, READING_REGIONS, "1100");
+    planish_file_close(file);
+    /* The segments of a .poly without nodes hold theirs, and edges are not read then. */
+    put(state, "a.1.poly", "# Triangle's\n0 2 0 1\n2 1\n1  1 3  0\n2  3 4  7\n0\n");
+    file = open_mesh(state, "a.1.ele");
+    reading_holds(file, NULL, READING_REGIONS, "1011");
+    reading_holds(file, "1:7", READING_REGIONS, "1011");
+    assert_int_equal(file->model.line.n, 2);
+    planish_file_close(file);
+    put(state, "a.1.poly", "0 2 0 1\n2 1\n1  1 3  0\n2  3 5  7\n0\n");
+    open_fails(state, "a.1.ele", "a.1.poly:4", "segment 2 has node 5");
+    put(state, "a.1.poly", "0 2 0 1");
+    open_fails(state, "a.1.ele", "a.1.poly", "counts");
+    put(state, "a.1.poly", "3 2 0 1\n"); /* has nodes of its own: it is the source */
+    file = open_mesh(state, "a.1.ele");
     reading_holds(file, NULL, READING_REGIONS, "1100");
     planish_file_close(file);
 }
@@ -220,8 +253,10 @@ static void tetrahedra_of_second_order(void **state) {
     put(state, "a.node", nodes_of_second_order);
     put(state, "a.ele", elements_of_second_order);
     /* The last word of a face or edge is its marker, be there mids or not. */
-    put(state, "a.face", "2 1\n1  3 4 5  13 14 9  0\n2  1 3 2  10 7 8  4\n");
-    put(state, "a.edge", "2 1\n1  3 4  9 0\n2  3 1  8 2\n");
+    put(state, "a.face",
+        "5 1\n1  3 4 5  13 14 9  0\n2  1 3 2  10 7 8  4\n3  1 3 4  9 6 8  0\n4  2 4 3  9 10 11  0\n"
+        "5  1 2 4  11 6 7  0\n");
+    put(state, "a.edge", "3 1\n1  3 4  9 0\n2  3 1  8 2\n3  1 4  6 0\n");
     put(state, "a.vol", "2\n1 0.5\n2 -1\n");
     planish_file *file = open_mesh(state, "a.node");
     const planish_mesh mesh = planish_file_mesh(file);
@@ -250,7 +285,7 @@ static void tetrahedra_of_second_order(void **state) {
     assert_int_equal(quality.all.n_curved, 0);
     assert_int_equal(planish_file_element_number(file, 1), 2);
     planish_file_close(file);
-    put(state, "a.face", "2 1\n1  3 4 5  0\n2  1 3 2  4\n");
+    put(state, "a.face", "5 1\n1  3 4 5  0\n2  1 3 2  4\n3  1 3 4  0\n4  2 4 3  0\n5  1 2 4  0\n");
     put(state, "a.ele",
         "2  10  1\n 1  1 3 4 2  6 7 8 9 10 11  7\n 2  4 3 5 2  12 6 9 13 10 14  8\n");
     file = open_mesh(state, "a.ele");
@@ -640,6 +675,7 @@ int main(void) {
         IN_A_FOLDER(either_file_may_be_named),
         IN_A_FOLDER(numbers_may_begin_with_1),
         IN_A_FOLDER(marked_faces_and_edges_hold),
+        IN_A_FOLDER(constraints_hold_without_markers),
         IN_A_FOLDER(attributes_that_are_no_integers_make_no_regions),
         IN_A_FOLDER(promised_attributes_may_be_missing),
         IN_A_FOLDER(threads_see_the_same_regions),

@@ -9,8 +9,9 @@
  * line for each node, element, face or edge, which begins with its number; '#' begins a comment.
  * Numbers run in sequence from that of the first line (0 or 1, as a rule).
  *
- * A .face or .edge file may list every face or edge of the mesh: only those
- * with a marker that is not zero hold their nodes. The first attribute of
+ * A .face or .edge file may list every face or edge of the mesh: then only those
+ * with a marker that is not zero hold their nodes. If it lists fewer, they are those of
+ * boundaries and constraints, and so are the segments in a .poly of Triangle. The first attribute of
  * elements tells regions apart if all its values are integers; other attributes
  * may be any quantity. Of elements of second order (-o2) mids are read; those of faces and edges are
  * not, as io_complete_mids finds them.
@@ -33,10 +34,10 @@ static const char *const extensions[] = {".node", ".ele", NULL};
 
 /* The first ones are read, the others written along only. Of .poly, .smesh and .vol, see
  * is_companion. */
-static const char *const companions[] = {".ele", ".face", ".edge", ".neigh", ".t2f",
-                                         ".t2e", ".f2t",  ".f2e",  ".e2t",   ".mtr",
-                                         ".var", ".vol",  ".poly", ".smesh", NULL};
-enum { N_READ = 3, N_COMPANIONS = sizeof companions / sizeof *companions - 1 };
+static const char *const companions[] = {".ele", ".face", ".poly", ".edge",  ".neigh",
+                                         ".t2f", ".t2e",  ".f2t",  ".f2e",   ".e2t",
+                                         ".mtr", ".var",  ".vol",  ".smesh", NULL};
+enum { SEGMENTS = 2, N_READ = 4, N_COMPANIONS = sizeof companions / sizeof *companions - 1 };
 
 enum { MOST_NODES = 10 }; /* of an element */
 
@@ -81,13 +82,8 @@ static int line_integer(io_cursor *cursor, int64_t *value) {
 
 /* ---- the first line ---------------------------------------------------------------------- */
 
-/** Begin a table of rows of so many words at least with its first line. */
-static int begin_table(table *t, io_model *model, const io_bytes *file, const char *what,
-                       int64_t words, planish_error *error) {
-    *t = (table){.model = model,
-                 .view = {.input = *file, .threads = model->threads},
-                 .rows = io_begin_text(file->data, file->size),
-                 .what = what};
+/** Begin a table, t, of rows of so many words at least with the line of counts at t->rows. */
+static int begin_rows(table *t, int64_t words, planish_error *error) {
     io_cursor *cursor = &t->rows;
     io_skip_space_comments(cursor, '#');
     if (line_integer(cursor, &t->n) || t->n < 0)
@@ -110,6 +106,16 @@ static int begin_table(table *t, io_model *model, const io_bytes *file, const ch
         return io_fail_at(&t->view, peek.at, error, "number %lld is out of range",
                           (long long)t->first);
     return PLANISH_OK;
+}
+
+/** Begin a table of rows of so many words at least with the first line of a file. */
+static int begin_table(table *t, io_model *model, const io_bytes *file, const char *what,
+                       int64_t words, planish_error *error) {
+    *t = (table){.model = model,
+                 .view = {.input = *file, .threads = model->threads},
+                 .rows = io_begin_text(file->data, file->size),
+                 .what = what};
+    return begin_rows(t, words, error);
 }
 
 /** Check the number of attributes. Lines may have fewer than were promised, so that the size of the
@@ -308,37 +314,60 @@ static int64_t count_mids(const table *t, int dim) {
     return !io_model_elements(t->model)->mid || n < least ? 0 : io_n_mids(dim);
 }
 
-/** Read .face (dim 2) or .edge (dim 1): those with a marker are kept, and hold their nodes. */
-static int read_face_file(io_model *model, const io_bytes *file, int dim, planish_error *error) {
-    table t;
+/** Whether n faces (dim 2) or edges (dim 1) are too many for those of boundaries and constraints alone:
+ *  all are more than these, by Euler's formula. */
+static int may_be_all(const io_model *model, int dim, int64_t n) {
+    const int64_t n_triangles = model->triangle.n, n_tetrahedra = model->tetrahedron.n;
+    if (n_tetrahedra == 0)
+        return n > n_triangles + n_triangles / 2;
+    return n > (dim == 2 ? 2 : 1) * n_tetrahedra;
+}
+
+/** Read the rows of faces (dim 2) or edges (dim 1), which hold their nodes; with_marker: those of marker 0
+ *  are left out. */
+static int read_faces(table *t, int dim, int with_marker, planish_error *error) {
+    io_model *model = t->model;
     io_cells *cells = io_model_cells(model, dim);
     const size_t size = (size_t)(dim + 1) * sizeof *cells->nodes;
-    int status = begin_table(&t, model, file, dim == 2 ? "face" : "edge", dim + 2, error);
-    if (status)
-        return status;
-    if (t.count[0] == 0) {
-        model->n_lower += t.n;
-        return PLANISH_OK;
-    }
-    t.tag = pl_alloc(t.n, sizeof *t.tag);
-    status = t.tag ? io_cells_reserve(model, dim, t.n, 1, 0, error)
-                   : pl_fail_memory(error, "boundary markers");
-    t.dim = dim;
-    t.nodes = cells->nodes;
-    t.skipped = count_mids(&t, dim);
+    int32_t *tag = pl_alloc_zero(t->n, sizeof *tag);
+    int status = tag ? io_cells_reserve(model, dim, t->n, 1, 0, error)
+                     : pl_fail_memory(error, "boundary markers");
+    t->dim = dim;
+    t->nodes = cells->nodes;
+    t->tag = t->count[0] > 0 ? tag : NULL;
+    t->skipped = count_mids(t, dim);
     if (!status)
-        status = read_table(&t, dim + 3 + t.skipped, error);
-    for (int64_t i = 0; i < t.n && !status; i++) {
-        if (t.tag[i] == 0)
+        status = read_table(t, dim + 3 + t->skipped, error);
+    for (int64_t i = 0; i < t->n && !status; i++) {
+        if (with_marker && tag[i] == 0)
             continue;
         memmove(cells->nodes + cells->n * (dim + 1), cells->nodes + i * (dim + 1), size);
-        cells->entity[cells->n++] = t.tag[i];
+        cells->entity[cells->n++] = tag[i];
     }
-    pl_free(t.tag);
+    pl_free(tag);
     if (status)
         return status;
-    model->n_lower += t.n - cells->n; /* those that are kept are counted with the others */
+    model->n_lower += t->n - cells->n; /* those that are kept are counted with the others */
     return io_model_index_tags(model, dim, cells->entity, cells->n, error);
+}
+
+/** Read .face (dim 2) or .edge (dim 1). */
+static int read_face_file(io_model *model, const io_bytes *file, int dim, planish_error *error) {
+    table t;
+    const int status = begin_table(&t, model, file, dim == 2 ? "face" : "edge", dim + 2, error);
+    return status ? status : read_faces(&t, dim, may_be_all(model, dim, t.n), error);
+}
+
+/** Read the segments of Triangle's .poly, which stand behind the line of no nodes. */
+static int read_segments(io_model *model, const io_bytes *file, planish_error *error) {
+    table t = {.model = model,
+               .view = {.input = *file, .threads = model->threads},
+               .rows = io_begin_text(file->data, file->size),
+               .what = "segment"};
+    io_skip_space_comments(&t.rows, '#');
+    io_skip_line(&t.rows);
+    const int status = begin_rows(&t, 3, error);
+    return status ? status : read_faces(&t, 1, 0, error);
 }
 
 /* ---- which files ------------------------------------------------------------------------- */
@@ -388,7 +417,7 @@ static int is_companion(const io_model *model, const io_bytes *file) {
 
 /** Read .node, which becomes model->input, and the files beside it: model->companion. */
 static int tetgen_read(io_model *model, planish_error *error) {
-    static const int dims[N_READ] = {0, 2, 1}; /* of .face and .edge */
+    static const int dims[N_READ] = {0, 2, 1, 1}; /* of .face, .poly and .edge */
     const io_bytes named = model->input;
     model->node_order = node_orders;
     const int is_ele = io_format_has_extension(&io_format_tetgen, named.path) &&
@@ -417,7 +446,9 @@ static int tetgen_read(io_model *model, planish_error *error) {
         }
         model->companion[model->n_companions++] = other;
         model->n_read += i < N_READ;
-        if (i < N_READ && dims[i] < dim)
+        if (i == SEGMENTS && dim == 2)
+            status = read_segments(model, &other, error);
+        else if (i != SEGMENTS && i < N_READ && dims[i] < dim && model->line.n == 0)
             status = read_face_file(model, &other, dims[i], error);
     }
     return status;
