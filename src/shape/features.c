@@ -291,12 +291,18 @@ static void decide_edges(void *context, int64_t begin, int64_t end, int thread) 
         }
 }
 
+/** Whether fewer facets have node a than b: few have an edge's end, though a hub may be the other one. */
+static int has_fewer(const planish_shape *s, int32_t a, int32_t b) {
+    return s->offset[a + 1] - s->offset[a] < s->offset[b + 1] - s->offset[b];
+}
+
 /** Mark the facets' edges that are tagged. A tagged edge that the surface has not makes its nodes
  *  corners. */
 static void mark_tagged(pl_features *w, const pl_tags *tagged) {
     const planish_shape *s = w->shape;
     for (const pl_tagged *t = tagged->item; t < tagged->item + tagged->n; t++) {
-        const int32_t a = t->node[0], b = t->node[1];
+        const int at_first = has_fewer(s, t->node[0], t->node[1]);
+        const int32_t a = t->node[!at_first], b = t->node[at_first];
         int is_met = 0;
         for (int64_t i = s->offset[a]; i < s->offset[a + 1]; i++) {
             const int32_t f = s->facet_of[i];
@@ -448,19 +454,21 @@ static int make_patches(pl_features *w, planish_error *error) {
 
 /* ---- curves and patches ---------------------------------------------------------------------- */
 
-/** Whether every facet at a node lies in a fan between feature edges. */
+/** Whether every facet at a node lies in a fan between feature edges, which is walked from its begin. */
 static int all_at_features(const pl_features *w, int32_t node) {
     const planish_shape *s = w->shape;
-    for (int64_t i = s->offset[node]; i < s->offset[node + 1]; i++) {
-        const int32_t first = s->facet_of[i];
-        int32_t f = first;
-        int k = pl_corner_at(s, f, node), is_closed = 0;
-        while (!is_closed && pl_fan_next(w, PL_EDGE_FEATURE, 1, &f, &k))
-            is_closed = f == first;
-        if (is_closed)
-            return 0;
+    const int64_t n = s->offset[node + 1] - s->offset[node];
+    int64_t n_passed = 0;
+    for (int64_t i = 0; i < n; i++) {
+        int32_t f = s->facet_of[s->offset[node] + i], before = f;
+        int k = pl_corner_at(s, f, node), k_before = k;
+        if (pl_fan_next(w, PL_EDGE_FEATURE, 0, &before, &k_before))
+            continue;
+        do
+            n_passed++;
+        while (n_passed <= n && pl_fan_next(w, PL_EDGE_FEATURE, 1, &f, &k));
     }
-    return 1;
+    return n_passed == n;
 }
 
 /** Whether the two feature edges at a node make a curve there. */
@@ -603,7 +611,9 @@ void pl_features_settle(pl_features *w) {
 
 /** Return the number of facets at edge k of f; 0 if a lower one of them has it, too. */
 static int64_t facets_at(const planish_shape *s, int32_t f, int k) {
-    const int32_t a = s->facet[f][k], b = s->facet[f][(k + 1) % 3];
+    const int32_t from = s->facet[f][k], to = s->facet[f][(k + 1) % 3];
+    const int at_first = has_fewer(s, from, to);
+    const int32_t a = at_first ? from : to, b = at_first ? to : from;
     int64_t n = 0;
     for (int64_t i = s->offset[a]; i < s->offset[a + 1]; i++) {
         const int32_t g = s->facet_of[i], *v = s->facet[g];
