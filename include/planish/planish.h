@@ -406,7 +406,8 @@ typedef struct planish_shape_info {
 /** Make the shape of the surface of mesh, which is in space: the boundary, interfaces between
  *  regions, and tagged facets. surface (may be NULL) gives tags, regions and crease_angle; its shape
  *  is ignored. The shape keeps a copy of mesh->coordinates, so that many calls cause no drift; it does
- *  not refer to the arrays of mesh. threads: as in planish_options. info may be NULL.
+ *  not refer to the arrays of mesh. A quadrilateral is two triangles there, as a rule cut at its corner of the
+ *  lowest index. threads: as in planish_options. info may be NULL.
  *  Errors: _ARGUMENT, _MESH, _MEMORY, _PARTS (mesh->part). */
 PLANISH_API int planish_shape_create(const planish_mesh *mesh, const planish_surface *surface,
                                      int threads, planish_shape **shape, planish_shape_info *info,
