@@ -85,7 +85,7 @@ static void elements_of_every_type_are_read(void **state) {
 }
 
 /** Make a file of tetrahedra of both orders, a triangle and a line, in sections of their own or in
- *  a mixed one; the triangle is a boundary condition, too. */
+ *  a mixed one; the triangle is a boundary condition, too, and joins another zone. */
 static file_builder make_both_orders(int is_mixed) {
     static const int straight[] = {1, 2, 3, 4}, curved[] = {2, 3, 4, 5, 6, 7, 8, 9, 10, 11},
                      triangle[] = {3, 4, 5, 7, 11, 10}, line[] = {4, 5, 11};
@@ -107,6 +107,11 @@ static file_builder make_both_orders(int is_mixed) {
     cgns_put_text(&b, ZONE "/ZoneBC/wall", "BC_t", "BCWall");
     cgns_put_text(&b, ZONE "/ZoneBC/wall/GridLocation", "GridLocation_t", "FaceCenter");
     cgns_put_integers(&b, ZONE "/ZoneBC/wall/PointList", "IndexArray_t", 1, (const int[]){2});
+    cgns_put_node(&b, ZONE "/ZoneGridConnectivity", "ZoneGridConnectivity_t");
+    cgns_put_text(&b, ZONE "/ZoneGridConnectivity/j", "GridConnectivity_t", "Elsewhere");
+    cgns_put_text(&b, ZONE "/ZoneGridConnectivity/j/GridLocation", "GridLocation_t", "FaceCenter");
+    cgns_put_integers(&b, ZONE "/ZoneGridConnectivity/j/PointList", "IndexArray_t", 1,
+                      (const int[]){2});
     return hdf5_end(&b);
 }
 
@@ -145,6 +150,9 @@ static void both_orders_may_be_in_a_file(void **state) {
         unit_expect_held(file, "wall", "00111010011");
         if (!is_mixed)
             unit_expect_held(file, "b", "01111111111");
+        for (int node = 0; node < UNIT_BOTH_NODES; node++) /* mids of the triangle, too */
+            assert_int_equal((file->model.hold[node] & IO_HELD_REQUIRED) != 0,
+                             "00111010011"[node] == '1');
         assert_int_equal(planish_file_element_number(file, 1), 3);
         planish_file_close(file);
         builder_let_allocations_fail(&b, &io_format_cgns);

@@ -119,13 +119,9 @@ static int take_member(groups *g, const char *path, int is_nodes, int64_t number
     if (in_condition != NONE)
         return move_member(g, in_condition,
                            is_nodes ? &model->node_entity[index] : &elements.entity[index]);
-    int32_t node[IO_CELL_NODES];
-    int corners = 0;
-    if (is_nodes)
-        io_hold_node(model, index, IO_HELD_REQUIRED);
-    else
-        io_list_nodes(&elements, index, node, &corners);
-    for (int j = 0; j < corners; j++)
+    int32_t node[IO_CELL_NODES] = {(int32_t)index};
+    const int n = is_nodes ? 1 : io_list_nodes(&elements, index, node, NULL);
+    for (int j = 0; j < n; j++)
         io_hold_node(model, node[j], IO_HELD_REQUIRED);
     return PLANISH_OK;
 }
