@@ -184,6 +184,21 @@ expect_text "note: the last line of cut.ele has no line end"
 expect_status 0 "$program" quality tetgen.node
 [ ! -s err ] || fail "$(cat err)"
 
+# Of .node and .ele none is replaced that nobody named; with the other one both are.
+mkdir alone other
+echo notes >alone/y.ele
+cp cut.node alone/x.node
+expect_status 2 "$program" smooth tetgen.node alone/y.node
+expect_text "alone/y.ele: is there without alone/y.node, and would be overwritten"
+expect_status 2 "$program" smooth tetgen.node -o alone/x.ele
+expect_text "alone/x.node: is there without alone/x.ele"
+[ "$(cat alone/y.ele)" = notes ] && cmp cut.node alone/x.node && [ "$(ls alone | wc -l)" = 2 ] || fail "alone: $(ls alone)"
+expect_status 0 "$program" smooth tetgen.node -q -o alone/y.ele
+expect_status 0 "$program" smooth tetgen.node -q -o alone/y.node
+cp tetgen.node tetgen.ele other
+expect_status 64 "$program" smooth tetgen.node other/tetgen.ele --output-dir smoothed
+expect_text "would get the same name in --output-dir"
+
 # Five gigabytes of data that are not needed are not read: they are a hole behind the mesh.
 if ! lacks raw.vtu && python3 - <<'END'; then
 import struct

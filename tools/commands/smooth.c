@@ -249,11 +249,33 @@ static int smooth_one(const pl_arguments *arguments, const char *input) {
     return status;
 }
 
-/** Whether both paths end in the same name. */
-static int same_name(const char *a, const char *b) {
+/** The length of a name without its extension. */
+static int base_length(const char *name, int length) {
+    for (int i = length - 1; i > 0; i--)
+        if (name[i] == '.')
+            return i;
+    return length;
+}
+
+/** Whether both paths end in the same name but for its extension. */
+static int same_base(const char *a, const char *b) {
     int length_a, length_b;
     const char *name_a = name_of(a, &length_a), *name_b = name_of(b, &length_b);
-    return length_a == length_b && strncmp(name_a, name_b, (size_t)length_a) == 0;
+    length_a = base_length(name_a, length_a);
+    return length_a == base_length(name_b, length_b) &&
+           strncmp(name_a, name_b, (size_t)length_a) == 0;
+}
+
+/** Whether the outputs of two inputs are one mesh; 1 without memory. */
+static int same_output(const pl_arguments *arguments, const char *a, const char *b) {
+    if (!same_base(a, b))
+        return 0;
+    char *output_a = output_of(arguments, a), *output_b = output_of(arguments, b);
+    const int same =
+        !output_a || !output_b || pl_output_is_same_mesh(output_a, output_b, arguments->format);
+    free(output_a);
+    free(output_b);
+    return same;
 }
 
 /** Check that each input has a name, and no other one the same, for --output-dir. */
@@ -268,7 +290,7 @@ static int check_names(const pl_arguments *arguments) {
                 "'%s' has no name that --output-dir can use: give the name of the folder itself",
                 input);
         for (int j = 0; j < i; j++)
-            if (same_name(input, arguments->inputs[j]))
+            if (same_output(arguments, input, arguments->inputs[j]))
                 return pl_complain_usage("smooth",
                                          "'%s' and '%s' would get the same name in --output-dir: "
                                          "smooth them into different folders",

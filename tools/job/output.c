@@ -54,14 +54,24 @@ int pl_output_same_file(const char *a, const char *b) {
            status_a.kind == PL_FILE_REGULAR && pl_file_is_same(&status_a, &status_b);
 }
 
-int pl_output_hits_mesh(const char *path, const char *mesh_path, const char *format) {
+/** Whether path is one of the first n files of the mesh at mesh_path. */
+static int hits(const char *path, const char *mesh_path, const char *format, int n) {
     int hit = pl_output_same_file(path, mesh_path);
     char *other;
-    for (int i = 0; !hit && (other = io_mesh_file(mesh_path, format, i)); i++) {
+    for (int i = 0; !hit && i < n && (other = io_mesh_file(mesh_path, format, i)); i++) {
         hit = pl_output_same_file(path, other);
         pl_free(other);
     }
     return hit;
+}
+
+int pl_output_hits_mesh(const char *path, const char *mesh_path, const char *format) {
+    return hits(path, mesh_path, format, INT_MAX);
+}
+
+int pl_output_is_same_mesh(const char *a, const char *b, const char *format) {
+    enum { NEEDED = 4 }; /* TetGen's .node and .ele, as capitals, too */
+    return hits(a, b, format, NEEDED);
 }
 
 int pl_output_check(const char *path) {

@@ -6,7 +6,7 @@
  *     pl_output_check, _check_all, _check_still_new       whether files can be written
  *     pl_output_read_file                                 files that are read beside the inputs
  *     pl_output_is_stdout, _takes_stdout                  what goes to standard output
- *     pl_output_same_file, _hits_mesh                     files that would be overwritten
+ *     pl_output_same_file, _hits_mesh, _is_same_mesh      files that would be overwritten
  *     pl_output_write_text                                a report
  */
 #ifndef PL_TOOLS_OUTPUT_H
@@ -26,6 +26,9 @@ int pl_output_same_file(const char *a, const char *b);
 /** Whether writing to path would change a file that the mesh at mesh_path, of that format (NULL:
  * told by its name), can have: itself, or, of TetGen's, those of the same base name beside it. */
 int pl_output_hits_mesh(const char *path, const char *mesh_path, const char *format);
+
+/** Whether two paths are those of one mesh of that format: of one file, or of TetGen's .node and .ele. */
+int pl_output_is_same_mesh(const char *a, const char *b, const char *format);
 
 /** Whether a file can be made or replaced at path, which may be "-", standard output; 0, or an exit
  * status after a message. */

@@ -50,14 +50,33 @@ static int is_companion(const planish_file *file, const char *path) {
     return is;
 }
 
+/** Check that the other one of the two files that every mesh of the format has is not there without the one at
+ *  path: nobody named it to be replaced. */
+static int check_pair(const io_format *format, const char *path, planish_error *error) {
+    const char *const extension[] = {format->extensions[0], format->companions[0]};
+    int status = PLANISH_OK;
+    for (int i = 0; i < 2 && !status && !pl_file_exists(path); i++) {
+        char *place = io_companion_path(format, path, extension[i]);
+        if (!place)
+            status = pl_fail_memory(error, path);
+        else if (pl_file_exists(place))
+            status = pl_fail(error, PLANISH_ERROR_FILE,
+                             "%s: is there without %s, and would be overwritten; remove it, or "
+                             "choose another name",
+                             place, path);
+        pl_free(place);
+    }
+    return status;
+}
+
 /** Check what is beside path: nothing of another mesh may be read along with the one that is
  *  written there, and nothing be overwritten that is no companion. */
 static int check_strangers(const planish_file *file, const char *path, const io_written_list *list,
                            planish_error *error) {
     const io_model *model = &file->model;
-    int status = PLANISH_OK;
     if (model->folder || list->n < 2 || !file->format->companions)
         return PLANISH_OK;
+    int status = check_pair(file->format, path, error);
     for (const char *const *kind = file->format->companions; *kind && !status; kind++) {
         int is_written = 0;
         for (int i = 0; i < model->n_companions; i++)
