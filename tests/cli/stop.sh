@@ -71,6 +71,16 @@ for signal in INT TERM HUP; do
     expect_text "planish: endless.mesh: interrupted by a signal before smoothing began; nothing was written"
     expect_no_file before.mesh before.json
 done
+rm -f err
+env --default-signal=TERM "$program" convert endless.mesh before.msh >out 2>err &
+run=$!
+exec 9>endless.mesh
+kill -TERM $run
+wait $run
+exec 9>&-
+expect_one_line
+expect_text "planish: endless.mesh: interrupted by a signal"
+expect_no_file before.msh
 rm endless.mesh
 
 # Of several meshes the rest is not smoothed; a mesh that failed before counts more than that.

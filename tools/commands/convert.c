@@ -79,6 +79,7 @@ int pl_convert_command(const pl_arguments *arguments) {
     int status = pl_output_check_all(arguments);
     if (status)
         return status;
+    pl_signals_set_input(arguments->input);
     if (planish_file_open_with(arguments->input, &how, &file, &error))
         return complain(arguments, &error);
     status = convert(arguments, file);
