@@ -42,8 +42,9 @@ static int64_t put_back_nodes(const pl_run *r, int64_t element) {
 /** Whether every element that was valid must be: but where untangling may have invalidated some to
  *  repair more. */
 static int keeps_valid(const pl_run *r) {
-    return pl_watch_is_on(&r->watch) &&
-           !(r->plan->work.corner && r->sums.inverted < r->sums_at_start.inverted);
+    const int is_untangled = r->plan->work.corner && r->result->untangling_sweeps > 0 &&
+                             r->sums.inverted < r->sums_at_start.inverted;
+    return pl_watch_is_on(&r->watch) && !is_untangled;
 }
 
 /** Mark in state the elements that are worse than the worst at the start, or of order 2 and not valid

@@ -282,11 +282,12 @@ static void mark_chunk(void *context, int64_t begin, int64_t end, int thread) {
         pl_star_value value;
         pl_star_ratio_of(r->plan->kernel, &r->problem, r->plan->dim)(&r->problem, i, scratch, 1,
                                                                      &value);
-        s->stays[r->plan->interior.centre[i]] = !value.certain;
+        const int32_t node = r->plan->interior.centre[i];
+        s->stays[node] = !value.certain || pl_watch_has_invalid(&r->watch, node);
     }
 }
 
-/** Mark the nodes whose stars are not surely valid, if there are any. No element is then repaired at the
+/** Mark the nodes of elements that are not surely valid, if there are any. No element is then repaired at the
  *  cost of a valid one: those that are inverted stay. Return 0 if there is no memory. */
 static int mark_invalid(const pl_run *r, uint8_t **stays) {
     staying s = {r, NULL};
@@ -302,11 +303,12 @@ static int mark_invalid(const pl_run *r, uint8_t **stays) {
 int pl_run_coarse(pl_run *r) {
     const planish_plan *plan = r->plan;
     const int64_t n = (plan->interior.stars.n_stars + plan->sliding.stars.n_stars) * plan->dim;
-    const pl_star_limits worst = pl_run_worst_limits(r, 1);
     int stopped = 0;
     if (!is_suitable(r))
         return 0;
+    pl_run_measure_inverted(r);
     pl_log(PLANISH_LOG_DETAIL, "sweeps would be slow: Newton's steps on a lattice");
+    const pl_star_limits worst = pl_run_worst_limits(r, 1);
     const int slides = may_slide(r);
     coarse_steps c = {.r = r,
                       .excess = 1,

@@ -3,22 +3,24 @@
 
 #include <string.h>
 
-/** Set residual to b - K x of vertex v, without its own block unless with_own; b NULL: 0. */
-PL_INLINE void residual_at(const pl_grid *g, const double *b, const double *x, int64_t v,
-                           int with_own, double *residual, int dim) {
+/** Set residual to b - K x of vertex v of a slab, without its own block unless with_own; b NULL: 0. */
+PL_INLINE void residual_at(const pl_grid *g, const double *b, const double *x, int64_t slab,
+                           int64_t v, int with_own, double *residual, int dim) {
     const int blocks = 1 << dim;
+    const int64_t begin = (slab - 1) * g->per_slab, end = (slab + 2) * g->per_slab;
     for (int d = 0; d < dim; d++)
         residual[d] = b ? b[v * dim + d] : 0;
     for (int bits = with_own ? 0 : 1; bits < blocks; bits++) {
         const int64_t way = pl_offset_of(g, bits), after = v + way, before = v - way;
-        /* Blocks to vertices outside of the grid are 0. */
-        if (after < g->n_vertices) {
+        /* Blocks to vertices outside of the grid are 0. What they are taken for is in a slab next to
+         * this one, or it is not read: other threads write there. */
+        if (after < g->n_vertices && after < end) {
             const double *k = g->stiffness + (v * blocks + bits) * (dim * dim);
             for (int r = 0; r < dim; r++)
                 for (int c = 0; c < dim; c++)
                     residual[r] -= k[r * dim + c] * x[after * dim + c];
         }
-        if (bits > 0 && before >= 0) {
+        if (bits > 0 && before >= 0 && before >= begin) {
             const double *k = g->stiffness + (before * blocks + bits) * (dim * dim);
             for (int r = 0; r < dim; r++)
                 for (int c = 0; c < dim; c++)
@@ -35,7 +37,7 @@ PL_INLINE void relax_slab_in(const pl_slab_pass *p, int64_t slab, int dim) {
         double residual[3];
         if (!g->is_active[v])
             continue;
-        residual_at(g, g->load, g->move, v, 0, residual, dim);
+        residual_at(g, g->load, g->move, slab, v, 0, residual, dim);
         for (int r = 0; r < dim; r++) {
             double sum = 0;
             for (int c = 0; c < dim; c++)
@@ -55,7 +57,7 @@ static void relax_slab(const pl_slab_pass *p, int64_t slab) {
 PL_INLINE void residual_slab_in(const pl_slab_pass *p, int64_t slab, int dim) {
     const int64_t stride = p->g->per_slab;
     for (int64_t v = slab * stride; v < (slab + 1) * stride; v++)
-        residual_at(p->g, p->b, p->x, v, 1, p->y + v * dim, dim);
+        residual_at(p->g, p->b, p->x, slab, v, 1, p->y + v * dim, dim);
 }
 
 /** Set y to b - K x. */

@@ -143,6 +143,7 @@ static int try_descent(pl_lbfgs *m, double fall) {
 
 static int try_acceleration(pl_run *r, pl_acceleration acceleration, double fall) {
     const planish_plan *plan = r->plan;
+    pl_run_measure_inverted(r);
     const pl_star_limits worst = pl_run_worst_limits(r, 1);
     objective_of_all f = {.run = r,
                           .in_patch = pl_alloc_zero(plan->work.n_nodes, 1),
@@ -160,7 +161,8 @@ static int try_acceleration(pl_run *r, pl_acceleration acceleration, double fall
         pl_star_value value;
         pl_star_ratio_of(plan->kernel, &r->problem, plan->dim)(&r->problem, i, r->problem.scratch,
                                                                1, &value);
-        f.in_patch[plan->interior.centre[i]] = value.certain != 0;
+        const int32_t node = plan->interior.centre[i];
+        f.in_patch[node] = value.certain && !pl_watch_has_invalid(&r->watch, node);
         if (value.certain)
             f.rr2_limit = fmax(f.rr2_limit, value.max * (1 + value.error));
     }

@@ -118,6 +118,11 @@ void pl_run_measure(pl_run *r) {
     r->sums.n[0] = r->sums_of_fixed.n[0];
 }
 
+void pl_run_measure_inverted(pl_run *r) {
+    if (r->sums.inverted > 0)
+        pl_run_measure(r);
+}
+
 void pl_run_measure_fixed(pl_run *r, const double *all) {
     const planish_plan *plan = r->plan;
     const uint8_t *mobility = r->guard.mobility ? r->guard.mobility : plan->work.mobility;

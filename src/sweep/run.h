@@ -89,6 +89,9 @@ typedef struct pl_run {
 /** Measure the plan's coordinates. */
 void pl_run_measure(pl_run *r);
 
+/** Measure them if elements were inverted at the last time: sweeps may have repaired some since. */
+void pl_run_measure_inverted(pl_run *r);
+
 /** Measure the rest of the mesh, whose scaled coordinates are all [.][dim]: sums_of_fixed. inverted
  *  and below are then those of all elements: the caller takes off those in the plan's subset. */
 void pl_run_measure_fixed(pl_run *r, const double *all);

@@ -165,6 +165,15 @@ static inline int pl_watch_is_valid(const pl_watch *w, int64_t i) {
     return w->state[i] & PL_WATCH_VALID;
 }
 
+/** Whether a cell of a node, by inner number, was not valid when it was decided last. Of cells that corners
+ *  alone decide nothing is said. */
+static inline int pl_watch_has_invalid(const pl_watch *w, int32_t node) {
+    int any = 0;
+    for (int64_t k = w->begin ? w->begin[node] : 0; w->begin && k < w->begin[node + 1]; k++)
+        any |= w->type[w->watched[k]] && !pl_watch_is_valid(w, w->watched[k]);
+    return any;
+}
+
 /** Return the cell that has an element of a plan. */
 int64_t pl_cell_with(const planish_plan *plan, int64_t element);
 

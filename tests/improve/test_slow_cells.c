@@ -38,10 +38,9 @@ static int cells_along(cell_box_kind kind) {
     return is_flat(kind) ? IN_PLANE : IN_SPACE;
 }
 
-/** A box whose nodes inside are drawn to corner 0; all its cells are valid. */
-static cell_box *squeezed_box(cell_box_kind kind) {
-    const int dim = is_flat(kind) ? 2 : 3, n = cells_along(kind);
-    cell_box *box = cell_box_create(kind, n);
+/** Draw the nodes inside of a box of n cells along its edges to corner 0. */
+static void squeeze(cell_box *box, int n) {
+    const int dim = box->mesh.dim;
     for (int64_t i = 0; i < box->mesh.n_nodes; i++) {
         double *x = box->x + i * dim, inside = 1;
         for (int d = 0; d < dim; d++)
@@ -49,6 +48,12 @@ static cell_box *squeezed_box(cell_box_kind kind) {
         for (int d = 0; d < dim; d++)
             x[d] = n * pow(x[d] / n, 1 + 0.8 * inside);
     }
+}
+
+/** A squeezed box; all its cells are valid. */
+static cell_box *squeezed_box(cell_box_kind kind) {
+    cell_box *box = cell_box_create(kind, cells_along(kind));
+    squeeze(box, cells_along(kind));
     return box;
 }
 
@@ -271,6 +276,93 @@ static void others_see_no_lattice(void **state) {
     cell_box_destroy(raised);
 }
 
+/* ---- cells that are inverted inside ------------------------------------------------------------ */
+
+enum { TWISTED = 14, EVERY = 3, N_TWISTS = 2, HEX_CORNERS = 8 };
+
+/* Displacements of the corners of a cube that invert its inside; times NEARLY they do not yet. Its corners and
+ * all cubes around stay positive. */
+#define NEARLY 0.92
+static const double twist[N_TWISTS][HEX_CORNERS][3] = {{{-0.130, -0.032, -0.616},
+                                                        {-0.676, 0.572, -0.160},
+                                                        {-0.528, -0.144, -0.115},
+                                                        {-0.006, 0.348, 0.303},
+                                                        {-0.467, -0.009, 0.401},
+                                                        {-1.239, 0.061, 0.256},
+                                                        {0.068, -0.132, 0.118},
+                                                        {-0.004, 0.380, 0.103}},
+                                                       {{0.247, -0.557, -0.182},
+                                                        {0.058, -0.266, -0.422},
+                                                        {0.032, -0.009, -0.895},
+                                                        {0.569, -0.249, 0.239},
+                                                        {-0.471, -0.171, -0.392},
+                                                        {0.058, 0.449, -0.026},
+                                                        {0.480, -0.093, -0.154},
+                                                        {0.619, -0.078, -0.482}}};
+
+/** Twist every third cell along each direction; hold half of the nodes of those that are nearly inverted. */
+static void twist_cells(cell_box *box, int seed, uint8_t *constraint) {
+    int turn = seed;
+    for (int64_t k = 2; k < TWISTED - 2; k += EVERY)
+        for (int64_t j = 2; j < TWISTED - 2; j += EVERY)
+            for (int64_t i = 2; i < TWISTED - 2; i += EVERY, turn++) {
+                const int32_t *node = box->node + box->offset[i + TWISTED * (j + TWISTED * k)];
+                const int is_inverted = turn % 16 == 0;
+                for (int c = 0; c < HEX_CORNERS && turn % 4 == 0; c++) {
+                    for (int d = 0; d < 3; d++)
+                        box->x[3 * (int64_t)node[c] + d] +=
+                            (is_inverted ? 1 : NEARLY) * twist[turn / 4 % N_TWISTS][c][d];
+                    if (!is_inverted && (c + turn / 8) % 2)
+                        constraint[node[c]] = PLANISH_CONSTRAINT_FIXED;
+                }
+            }
+    squeeze(box, TWISTED);
+}
+
+/** Find the state [n] of each cell at x. Returns how many are inverted; *n_corners by their corners. */
+static int64_t find_states(const cell_box *box, const double *x, uint8_t *state,
+                           int64_t *n_corners) {
+    planish_mesh mesh = box->mesh;
+    planish_cell_quality quality;
+    const planish_cell_values values = {.state = state};
+    mesh.coordinates = x;
+    assert_int_equal(planish_measure_cells(&mesh, 0, 1, &quality, &values, NULL), 0);
+    *n_corners = quality.all.n_inverted_corners;
+    return quality.all.n_inverted;
+}
+
+/** Without untangling no cell is repaired at the cost of a valid one, though sweeps have repaired some before
+ *  the steps. */
+static void no_valid_cell_is_spent(void **state) {
+    planish_options options = test_options(1);
+    (void)state;
+    options.untangle = 0;
+    for (int seed = 0; seed < 4; seed++) {
+        cell_box *box = cell_box_create(BOX_HEXAHEDRA, TWISTED);
+        const size_t n = (size_t)box->mesh.n_elements;
+        uint8_t *constraint = calloc((size_t)box->mesh.n_nodes, 1), *before = malloc(n),
+                *after = malloc(n);
+        planish_result result;
+        int64_t n_corners;
+        heard h = {0};
+        twist_cells(box, seed, constraint);
+        box->mesh.constraint = constraint;
+        const int64_t n_before = find_states(box, box->x, before, &n_corners);
+        assert_true(n_before > n_corners);
+        double *x = smooth(box, options, &h, &result);
+        assert_true(h.n_steps >= 1);
+        assert_true(find_states(box, x, after, &n_corners) < n_before);
+        for (size_t i = 0; i < n; i++)
+            if (before[i] == PLANISH_CELL_STATE_VALID && after[i] != PLANISH_CELL_STATE_VALID)
+                fail_msg("seed %d: cell %zu", seed, i);
+        free(x);
+        free(constraint);
+        free(before);
+        free(after);
+        cell_box_destroy(box);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         WITH_ALL(a_lattice_helps_early),
@@ -278,6 +370,7 @@ int main(void) {
         WITH_ALL(powers_of_two_change_no_bit),
         WITH_ALL(they_end_at_any_call),
         WITH_ALL(nodes_that_slide_make_steps),
+        cmocka_unit_test(no_valid_cell_is_spent),
         {"others see no lattice hexahedra", others_see_no_lattice, NULL, NULL, &hexahedra},
         {"others see no lattice quadrilaterals", others_see_no_lattice, NULL, NULL,
          &quadrilaterals},
