@@ -309,6 +309,27 @@ static void sets_of_nodes_are_converted(void **state) {
     planish_file_close(file);
 }
 
+/** Regions that groups alone tell stay apart, also where the first group is the same. */
+static void regions_of_groups_are_converted(void **state) {
+    file_builder b = {.binary = 0};
+    char lost[512];
+    builder_text(&b, "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n"
+                     "4 0 0 1\n5 1 1 1\n$EndNodes\n$Elements\n3\n1 4 2 7 4 1 2 3 4\n"
+                     "2 4 2 7 4 2 3 4 5\n3 4 2 8 4 2 3 4 5\n$EndElements\n");
+    planish_file *file = converting_open_built(*state, "regions.msh", &b);
+    assert_int_equal(file->n_regions, 2);
+    for (int t = 0; t < N_TARGETS; t++) {
+        if (!is_read(&targets[t]) || strcmp(targets[t].name, "gmsh22") == 0)
+            continue;
+        planish_file *copy =
+            converting_to(*state, file, targets[t].name, targets[t].extension, lost);
+        if (copy->n_regions != 2)
+            fail_msg("%s: %ld regions", targets[t].name, (long)copy->n_regions);
+        planish_file_close(copy);
+    }
+    planish_file_close(file);
+}
+
 /** Groups of one number have its elements alone, whatever other groups their names have. */
 static void names_of_one_number_are_converted(void **state) {
     static const char *const names[] = {"both", "lower", "only"};
@@ -811,6 +832,7 @@ int main(void) {
         IN_A_FOLDER(files_are_converted),
         IN_A_FOLDER(groups_are_converted),
         IN_A_FOLDER(sets_of_nodes_are_converted),
+        IN_A_FOLDER(regions_of_groups_are_converted),
         IN_A_FOLDER(names_of_one_number_are_converted),
         IN_A_FOLDER(other_groups_are_told),
         IN_A_FOLDER(groups_beside_arrays_are_told),

@@ -1,7 +1,8 @@
 /* view: the content of a mesh file that planish understands, for the writers of other formats.
  *
  *   io_view, io_view_begin, io_view_end    the mesh
- *   io_view_cell, io_view_cell_at          its cells, one by one
+ *   io_view_cell, io_view_cell_at          its cells, one by one,
+ *   io_view_distinct_region                and their regions
  *   io_view_fit_cell                       cells as a format has them
  *   io_view_place                          its nodes
  *   io_view_node_number, _cell_number      numbers that a file can have,
@@ -53,7 +54,8 @@ typedef struct io_view {
     const planish_convert_options *options; /* its arrays may be NULL */
     int64_t first[IO_VIEW_KINDS + 1]; /* index of the first cell of each kind, and number of all */
     int64_t n_cells;
-    int has_numbers[2]; /* nodes, cells: those of the file are distinct, and from 1 up */
+    int has_numbers[2];     /* nodes, cells: those of the file are distinct, and from 1 up */
+    uint8_t shares_tags[4]; /* by dimension: regions are entities, and two have one tag */
     uint8_t is_mirrored[PLANISH_CELL_PYRAMID14 + 1]; /* by planish_cell_type: most solids of a type
                                                         have a negative volume */
     uint8_t *is_physical; /* [n_groups] entities have the group's tag among their physical ones, not
@@ -84,6 +86,9 @@ typedef struct io_view_cell {
 
 /** Find cell index, 0 .. n_cells - 1. */
 void io_view_cell_at(const io_view *view, int64_t index, io_view_cell *cell);
+
+/** Return the number of a cell's region; where regions share numbers, that of its entity from 1 (none: 0). */
+int64_t io_view_distinct_region(const io_view *view, const io_view_cell *cell);
 
 /** Find the place of a node, in space. */
 void io_view_place(const io_view *view, int64_t node, double place[3]);

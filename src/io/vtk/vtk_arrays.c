@@ -51,7 +51,7 @@ static int64_t cell_value(const io_view *view, vtk_out_values values, const io_v
     case VTK_OUT_TYPES:
         return cell->type;
     case VTK_OUT_REGIONS:
-        return cell->region;
+        return io_view_distinct_region(view, cell);
     case VTK_OUT_STATES:
         return cell->element >= 0 ? view->options->cells.state[cell->element]
                                   : PLANISH_CELL_STATE_NONE;
