@@ -353,6 +353,60 @@ static void names_of_one_number_are_converted(void **state) {
     planish_file_close(file);
 }
 
+/** Convert three triangles, built as a file called name, to VTU. Expect them to have numbers of groups, and
+ *  these words in the file (or, behind '!', not in it). lost: as converting_to. */
+static void check_groups_of_vtu(const char *folder, const char *name, const char *text,
+                                const double number[3], const char *const *words, char lost[512]) {
+    char path[TEST_PATH_SIZE];
+    planish_error error;
+    planish_data data;
+    size_t size;
+    test_write(folder, name, text, strlen(text));
+    planish_file *file = converting_open(test_path(path, folder, name));
+    planish_file *copy = converting_to(folder, file, "vtu", ".vtu", lost);
+    if (planish_file_data(copy, "group", &data, &error))
+        fail_msg("%s: %s", name, error.text);
+    assert_memory_equal(data.values, number, 3 * sizeof *number);
+    planish_data_free(&data);
+    char *written = test_read(test_path(path, folder, "out-vtu.vtu"), &size);
+    for (; *words; words++)
+        if ((strstr(written, *words + (**words == '!')) != NULL) != (**words != '!'))
+            fail_msg("%s: %s", name, *words);
+    free(written);
+    planish_file_close(copy);
+    planish_file_close(file);
+}
+
+/** Groups of one name are one in VTU files, which have one array of a name. Where numbers have other
+ *  names, too, they stay apart. */
+static void groups_of_one_name_are_joined(void **state) {
+    static const char physical[] =
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n%s$EndPhysicalNames\n$Nodes\n5\n"
+        "1 0 0 0\n2 1 0 0\n3 0 1 0\n4 1 1 0\n5 2 1 0\n$EndNodes\n$Elements\n3\n"
+        "1 2 2 4 1 1 2 3\n2 2 2 9 2 2 4 3\n3 2 2 5 3 2 5 4\n$EndElements\n";
+    static const char *const joined[] = {"Name=\"wall\"", "Name=\"floor\"", "!wall 2:9", NULL};
+    static const char *const apart[] = {"Name=\"wall\"", "Name=\"floor\"", "Name=\"wall 2:9\"",
+                                        NULL};
+    char text[1024], lost[512];
+    if (!reading_knows_vtu())
+        return;
+    snprintf(text, sizeof text, physical, "3\n2 4 \"wall\"\n2 9 \"wall\"\n2 5 \"floor\"\n");
+    check_groups_of_vtu(*state, "one.msh", text, (const double[]){4, 4, 5}, joined, lost);
+    assert_non_null(strstr(lost, "numbers of groups"));
+    snprintf(text, sizeof text, physical, "3\n2 4 \"wall\"\n2 9 \"wall\"\n2 9 \"floor\"\n");
+    check_groups_of_vtu(*state, "two.msh", text, (const double[]){4, 9, 5}, apart, lost);
+    assert_non_null(strstr(lost, "names of several groups (now with their numbers)"));
+    check_groups_of_vtu(*state, "one.bdf",
+                        "BEGIN BULK\n$HMNAME PROP                   4\"wall\"\n"
+                        "$HMNAME PROP                   9\"wall\"\n"
+                        "$HMNAME PROP                   5\"floor\"\n"
+                        "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\n"
+                        "GRID,4,,1.,1.,0.\nGRID,5,,2.,1.,0.\nCTRIA3,1,4,1,2,3\n"
+                        "CTRIA3,2,9,2,4,3\nCTRIA3,3,5,2,5,4\nENDDATA\n",
+                        (const double[]){4, 4, 5}, joined, lost);
+    assert_non_null(strstr(lost, "numbers of groups"));
+}
+
 /** Formats with one name for each element tell which groups they lose. */
 static void other_groups_are_told(void **state) {
     static const char *const formats[][2] = {{"obj", ".obj"}, {"stl", ".stl"}, {"nastran", ".bdf"}};
@@ -834,6 +888,7 @@ int main(void) {
         IN_A_FOLDER(sets_of_nodes_are_converted),
         IN_A_FOLDER(regions_of_groups_are_converted),
         IN_A_FOLDER(names_of_one_number_are_converted),
+        IN_A_FOLDER(groups_of_one_name_are_joined),
         IN_A_FOLDER(other_groups_are_told),
         IN_A_FOLDER(groups_beside_arrays_are_told),
         IN_A_FOLDER(references_of_nodes_are_told),
