@@ -9,6 +9,7 @@
 
 #include <cmocka.h>
 
+#include "io/core/binary.h"
 #include "support/converting.h"
 #include "support/data_files.h"
 #include "support/file_builder.h"
@@ -570,6 +571,85 @@ static void cards_are_told(void **state) {
     planish_file_close(file);
 }
 
+/** Expect what is lost of a file with data, and that words are not among it if it has none. */
+static void check_passed_over(const char *folder, const char *name, const char *text, size_t size,
+                              const char *words) {
+    char path[TEST_PATH_SIZE], lost[512], expected[600];
+    test_write(folder, name, text, size);
+    planish_file *file = converting_open(test_path(path, folder, name));
+    planish_file_close(converting_to(folder, file, "gmsh", ".msh", lost));
+    snprintf(expected, sizeof expected, "%sparameters and comments", words);
+    assert_string_equal(lost, expected);
+    planish_file_close(file);
+}
+
+/** Colours, normals, attributes and data of formats that planish does not read them of. */
+static void passed_over_data_are_told(void **state) {
+    static const struct {
+        const char *name, *text, *words;
+    } files[] = {
+        {"a.avs", "3 1 0 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n1 1 tri 1 2 3\n", ""},
+        {"b.avs",
+         "3 1 1 1 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n1 1 tri 1 2 3\n1 1\nt, K\n1 1\n2 1\n3 1\n"
+         "1 1\ns, Pa\n1 5\n",
+         "data of nodes, data of elements, "},
+        {"a.off", "OFF\n3 1 0\n0 0 0 # c\n1 0 0\n0 1 0\n3 0 1 2 # 5\n", ""},
+        {"b.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 255 0 0\n", "colours of faces, "},
+        {"c.off", "COFF\n3 1 0\n0 0 0 1 1 1 1\n1 0 0 1 1 1 1\n0 1 0 1 1 1 1\n3 0 1 2\n",
+         "normals or colours of vertices, "},
+        {"d.off", "OFF\n3 1 0\n0 0 0\n1 0 0 9\n0 1 0\n3 0 1 2\n",
+         "normals or colours of vertices, "},
+        {"a.ply",
+         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+         "property float z\nelement face 1\nproperty list uchar int vertex_index\n"
+         "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+         ""},
+        {"b.ply",
+         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+         "property float z\nproperty uchar red\nelement face 1\n"
+         "property list uchar int vertex_index\nproperty int mat\nelement material 1\n"
+         "property int a\nend_header\n0 0 0 9\n1 0 0 9\n0 1 0 9\n3 0 1 2 1\n7\n",
+         "properties of vertices, properties of faces, elements 'material', "},
+        {"a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\nf 1/1/1 2/1/1 3/1/1\n",
+         "texture coordinates, normals of vertices, "},
+        {"a.node", "3 2 1 0\n1 0 0 7\n2 1 0 7\n3 0 1 7\n", "attributes of nodes, "},
+        {"b.node", "3 2 0 0\n1 0 0\n2 1 0\n3 0 1\n", "attributes of elements, "},
+        {"c.node", "3 2 0 0\n1 0 0\n2 1 0\n3 0 1\n", ""},
+    };
+    test_write(*state, "a.ele", "1 3 1\n1 1 2 3 5\n", 16);
+    test_write(*state, "b.ele", "1 3 1\n1 1 2 3 .5\n", 17);
+    test_write(*state, "c.ele", "1 3 1\n1 1 2 3 5\n", 16);
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++)
+        check_passed_over(*state, files[i].name, files[i].text, strlen(files[i].text),
+                          files[i].words);
+}
+
+/** The same of binary files: STL's, and AVS UCD's. */
+static void passed_over_bytes_are_told(void **state) {
+    static const int corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    for (int has_data = 0; has_data < 2; has_data++) {
+        file_builder stl = {.binary = 1, .swapped = !io_machine_is_little()}, ucd = stl;
+        for (int i = 0; i < 80; i++)
+            builder_integer(&stl, 0, 1);
+        builder_integer(&stl, 1, 4);
+        for (int i = 0; i < 12; i++)
+            builder_real(&stl, i < 3 ? i == 2 : corners[i - 3], 4);
+        builder_integer(&stl, has_data << 8, 2);
+        check_passed_over(*state, "x.stl", stl.data, (size_t)stl.size,
+                          has_data ? "colours of facets, " : "");
+        builder_release(&stl);
+        const int whole[] = {3, 1, has_data, 0, 0, 3, 1, 1, 3, 2, 1, 2, 3};
+        builder_integer(&ucd, 7, 1);
+        for (int i = 0; i < 13; i++)
+            builder_integer(&ucd, whole[i], 4);
+        for (int i = 0; i < 9; i++)
+            builder_real(&ucd, corners[i % 3 * 3 + i / 3], 4);
+        check_passed_over(*state, "x.ucd", ucd.data, (size_t)ucd.size,
+                          has_data ? "data of nodes, " : "");
+        builder_release(&ucd);
+    }
+}
+
 /** Of Medit all keywords but those of the mesh, unless there are none of what they list. */
 static void keywords_are_told(void **state) {
     char lost[512];
@@ -898,6 +978,8 @@ int main(void) {
         IN_A_FOLDER(surfaces_tell_nodes_and_blanks),
         IN_A_FOLDER(cards_are_told),
         IN_A_FOLDER(keywords_are_told),
+        IN_A_FOLDER(passed_over_data_are_told),
+        IN_A_FOLDER(passed_over_bytes_are_told),
         IN_A_FOLDER(numbers_begin_at_1),
         IN_A_FOLDER(regions_in_turn_are_converted),
         IN_A_FOLDER(data_are_converted),

@@ -70,6 +70,14 @@ static int take_counts(io_cursor *cursor, int64_t count[UCD_N_COUNTS]) {
     return line.at == line.end && n >= UCD_N_COUNTS - 1 ? n : -1;
 }
 
+int ucd_note_data(io_model *model, const int64_t count[UCD_N_COUNTS], planish_error *error) {
+    static const char *const whats[] = {"data of nodes", "data of elements", "data of the model"};
+    int status = PLANISH_OK;
+    for (int i = 2; i < UCD_N_COUNTS && !status; i++)
+        status = io_model_note_lost(model, count[i] > 0, whats[i - 2], error);
+    return status;
+}
+
 /* ---- nodes --------------------------------------------------------------------------------- */
 
 /** Read nodes, each in a line of its own. */
@@ -213,7 +221,7 @@ static int read_text(ucd_reader *r) {
     if (!has_data && io_left(&r->cursor) > 0)
         return io_fail_at(r->model, r->cursor.at, r->error,
                           "more follows than the nodes and cells that the counts say");
-    return PLANISH_OK;
+    return ucd_note_data(r->model, r->count, r->error);
 }
 
 static int ucd_read(io_model *model, planish_error *error) {
