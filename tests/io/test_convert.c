@@ -513,6 +513,43 @@ static void numbers_of_groups_are_told(void **state) {
         }
 }
 
+/** Numbers of regions that formats cannot have, or that others have, are told; all others stay. */
+static void numbers_of_regions_are_told(void **state) {
+    static const struct {
+        const char *format, *extension;
+        int tetrahedra, triangles; /* numbers, of which a format tells that they change */
+        int are_lost;
+        const char *words;
+    } cases[] = {{"nastran", ".bdf", 7, 5, 0, "       7       1"},
+                 {"nastran", ".bdf", 7, 7, 1, "CTRIA3         2       1"},
+                 {"nastran", ".bdf", 1, 1, 1, "CTETRA         1       1"},
+                 {"nastran", ".bdf", -3, 5, 1, "CTRIA3         2       5"},
+                 {"nastran", ".bdf", 0, 5, 0, "CTRIA3         2       5"},
+                 {"abaqus", ".inp", 7, 5, 0, "VOLUME7"},
+                 {"abaqus", ".inp", -3, 5, 1, "SURFACE5"},
+                 {"exodus", ".e", 7, 5, 0, "CDF"},
+                 {"exodus", ".e", -3, 5, 1, "CDF"},
+                 {"exodus", ".e", 7, -5, 1, "CDF"}};
+    for (size_t t = 0; t < sizeof cases / sizeof *cases; t++) {
+        char lost[512], path[TEST_PATH_SIZE], name[32];
+        file_builder b = {.binary = 0};
+        builder_text(&b,
+                     "MeshVersionFormatted 2\nDimension 3\nVertices\n4\n0 0 0 0\n1 0 0 0\n"
+                     "0 1 0 0\n0 0 1 0\nTetrahedra\n1\n1 2 3 4 %d\nTriangles\n1\n1 2 3 %d\nEnd\n",
+                     cases[t].tetrahedra, cases[t].triangles);
+        planish_file *file = converting_open_built(*state, "regions.mesh", &b);
+        planish_file_close(converting_to(*state, file, cases[t].format, cases[t].extension, lost));
+        if ((strstr(lost, "numbers of regions") != NULL) != cases[t].are_lost)
+            fail_msg("case %zu: %s", t, lost);
+        snprintf(name, sizeof name, "out-%s%s", cases[t].format, cases[t].extension);
+        char *written = test_read(test_path(path, *state, name), NULL);
+        if (!strstr(written, cases[t].words))
+            fail_msg("case %zu: %s", t, cases[t].words);
+        free(written);
+        planish_file_close(file);
+    }
+}
+
 /** Sets of Abaqus have the references of regions, and numbers behind these without one. */
 static void sets_have_references(void **state) {
     static const char *const names[] = {"VOLUME70", "VOLUME9", "VOLUME73"};
@@ -974,6 +1011,7 @@ int main(void) {
         IN_A_FOLDER(references_of_nodes_are_told),
         IN_A_FOLDER(groups_of_points_are_converted),
         IN_A_FOLDER(numbers_of_groups_are_told),
+        IN_A_FOLDER(numbers_of_regions_are_told),
         IN_A_FOLDER(sets_have_references),
         IN_A_FOLDER(surfaces_tell_nodes_and_blanks),
         IN_A_FOLDER(cards_are_told),

@@ -111,6 +111,16 @@ static void put_own_name(io_writer *writer, const set_marks *marks, int word, in
     io_put_text(writer, "\n");
 }
 
+/** Note that numbers that are not positive are not in the names of sets. */
+static void lose_negative(const io_view *view, const io_view_blocks *blocks, io_losses *losses) {
+    int is_lost = 0;
+    for (int64_t b = 0; b < blocks->n; b++)
+        is_lost |=
+            blocks->block[b].reference <= 0 && io_view_loses_region(view, &blocks->block[b], 0);
+    if (is_lost)
+        io_losses_add(losses, "numbers of regions");
+}
+
 /** Put the name of the set that a block is of. */
 static void put_set(io_writer *writer, const set_marks *marks, const io_view_block *block) {
     const int has_reference = marks->has_references && block->reference > 0;
@@ -388,6 +398,7 @@ static int abaqus_write(const io_view *view, pl_output *output, io_losses *losse
         lose_names(view->model, losses);
         io_view_lose_references(view, losses);
         io_view_lose_tags(view, &blocks, 0, 1, losses);
+        lose_negative(view, &blocks, losses);
         io_view_lose_fields(view, losses);
     }
     io_view_blocks_release(&blocks);

@@ -226,6 +226,53 @@ int io_view_are_numbers(int64_t *number, int64_t n) {
     return n == 0 || (number[0] >= 1 && number[n - 1] <= IO_VIEW_MOST_NUMBER);
 }
 
+int io_view_fill_numbers(int64_t *number, int64_t n, planish_error *error) {
+    int64_t *used = pl_alloc(n, sizeof *used), at = 0, next = 1;
+    if (!used)
+        return pl_fail_memory(error, "numbers of groups");
+    if (n > 0) {
+        memcpy(used, number, (size_t)n * sizeof *used);
+        qsort(used, (size_t)n, sizeof *used, compare_numbers);
+    }
+    for (int64_t i = 0; i < n; i++) {
+        if (number[i] != 0)
+            continue;
+        for (; at < n && used[at] <= next; at++)
+            next += used[at] == next;
+        number[i] = next++;
+    }
+    pl_free(used);
+    return PLANISH_OK;
+}
+
+/** A number, and whose it is. */
+typedef struct old_number {
+    int64_t number, at;
+} old_number;
+
+static int compare_old(const void *a, const void *b) {
+    const old_number *x = a, *y = b;
+    if (x->number != y->number)
+        return x->number < y->number ? -1 : 1;
+    return (x->at > y->at) - (x->at < y->at);
+}
+
+int io_view_distinct_numbers(int64_t *number, int64_t n, int64_t most, planish_error *error) {
+    old_number *old = pl_alloc(n, sizeof *old);
+    if (!old)
+        return pl_fail_memory(error, "numbers of regions");
+    for (int64_t i = 0; i < n; i++)
+        old[i] = (old_number){number[i], i};
+    if (n > 0)
+        qsort(old, (size_t)n, sizeof *old, compare_old);
+    for (int64_t i = 0; i < n; i++)
+        if (old[i].number < 1 || old[i].number > most ||
+            (i > 0 && old[i].number == old[i - 1].number))
+            number[old[i].at] = 0;
+    pl_free(old);
+    return io_view_fill_numbers(number, n, error);
+}
+
 /** Find out whether the file's numbers can be kept. */
 static int look_at_numbers(io_view *view, planish_error *error) {
     const io_model *model = view->model;

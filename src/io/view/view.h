@@ -7,6 +7,7 @@
  *   io_view_place                          its nodes
  *   io_view_node_number, _cell_number      numbers that a file can have,
  *   io_view_are_numbers                    and whether it can have these
+ *   io_view_fill_numbers, _distinct_...    free numbers
  *   io_view_find_type                      types of elements that a format has
  *   io_view_first_group, _next_group ...   named groups (view_groups.c)
  *   io_view_field                          arrays of numbers of nodes and elements
@@ -101,6 +102,14 @@ int64_t io_view_cell_number(const io_view *view, int64_t index, const io_view_ce
 /** Return whether numbers [n], which are sorted for that, are distinct and within 1 ..
  *  IO_VIEW_MOST_NUMBER. */
 int io_view_are_numbers(int64_t *number, int64_t n);
+
+/** Replace each 0 among numbers [n] by the smallest positive number that is none of them yet. Error:
+ *  _MEMORY. */
+int io_view_fill_numbers(int64_t *number, int64_t n, planish_error *error);
+
+/** Replace numbers [n] that are not within 1 .. most by free ones; of several that are equal the first
+ *  stays. Error: _MEMORY. */
+int io_view_distinct_numbers(int64_t *number, int64_t n, int64_t most, planish_error *error);
 
 /** Make what finds groups, for io_view_begin, and release it. Error: _MEMORY. */
 int io_view_groups_begin(io_view *view, planish_error *error);
