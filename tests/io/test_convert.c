@@ -550,6 +550,26 @@ static void numbers_of_regions_are_told(void **state) {
     }
 }
 
+/** Formats whose names stand between quotes tell those within a name. */
+static void quotes_are_told(void **state) {
+    static const char *const formats[][2] = {{"abaqus", ".inp"}, {"nastran", ".bdf"}};
+    for (int t = 0; t < 2; t++)
+        for (int is_lost = 0; is_lost < 2; is_lost++) {
+            char lost[512];
+            file_builder b = {.binary = 0};
+            builder_text(&b,
+                         "NDIME= 2\nNELEM= 1\n5 0 1 2\nNPOIN= 3\n0 0\n1 0\n0 1\nNMARK= 1\n"
+                         "MARKER_TAG= a %sb\nMARKER_ELEMS= 1\n3 0 1\n",
+                         is_lost ? "\"" : "");
+            planish_file *file = converting_open_built(*state, "quotes.su2", &b);
+            planish_file_close(converting_to(*state, file, formats[t][0], formats[t][1], lost));
+            assert_int_equal(strstr(lost, "quotes and control characters (now '_') in the names "
+                                          "of 1 group") != NULL,
+                             is_lost);
+            planish_file_close(file);
+        }
+}
+
 /** Sets of Abaqus have the references of regions, and numbers behind these without one. */
 static void sets_have_references(void **state) {
     static const char *const names[] = {"VOLUME70", "VOLUME9", "VOLUME73"};
@@ -1012,6 +1032,7 @@ int main(void) {
         IN_A_FOLDER(groups_of_points_are_converted),
         IN_A_FOLDER(numbers_of_groups_are_told),
         IN_A_FOLDER(numbers_of_regions_are_told),
+        IN_A_FOLDER(quotes_are_told),
         IN_A_FOLDER(sets_have_references),
         IN_A_FOLDER(surfaces_tell_nodes_and_blanks),
         IN_A_FOLDER(cards_are_told),

@@ -366,15 +366,10 @@ static void lose_type_names(const io_view *view, const io_view_type *types, io_l
 /** Note names that are longer than Abaqus takes them, those that are cut, and those with other characters. */
 static void lose_names(const io_model *model, io_losses *losses) {
     enum { MOST_NAME = 80 };
-    int64_t n_long = 0, n_replaced = 0;
-    for (int32_t i = 0; i < model->n_groups; i++) {
+    int64_t n_long = 0;
+    for (int32_t i = 0; i < model->n_groups; i++)
         n_long += strlen(model->group[i].name) > MOST_NAME;
-        n_replaced += has_replaced(model->group[i].name);
-    }
-    if (n_replaced > 0)
-        io_losses_add(losses,
-                      "quotes and control characters (now '_') in the names of %" PRId64 " group%s",
-                      n_replaced, n_replaced > 1 ? "s" : "");
+    io_view_lose_quotes(model, 0, losses);
     if (n_long > 0)
         io_losses_add(losses,
                       "names that Abaqus takes (of at most %d characters) for %" PRId64 " group%s",

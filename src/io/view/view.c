@@ -353,6 +353,20 @@ void io_view_lose_ends(const io_model *model, io_losses *losses) {
         io_losses_add(losses, "the ends of names of more than %d bytes", IO_VIEW_MOST_NAME);
 }
 
+void io_view_lose_quotes(const io_model *model, int first_dim, io_losses *losses) {
+    int64_t n = 0;
+    for (int64_t i = 0; i < model->n_groups; i++) {
+        const char *c = model->group[i].name;
+        while (*c && *c != '"' && (unsigned char)*c >= ' ')
+            c++;
+        n += model->group[i].dim >= first_dim && *c;
+    }
+    if (n > 0)
+        io_losses_add(losses,
+                      "quotes and control characters (now '_') in the names of %lld group%s",
+                      (long long)n, n > 1 ? "s" : "");
+}
+
 void io_view_lose_references(const io_view *view, io_losses *losses) {
     const io_model *model = view->model;
     const int has_numbers = model->node_entity && !model->groups_by_name;
