@@ -886,6 +886,40 @@ static void negative_solids_are_mirrored(void **state) {
     planish_file_close(file);
 }
 
+/** VTK's formats keep the order of nodes, and tell where volumes are negative by it. */
+static void negative_solids_are_told(void **state) {
+    for (int t = 0; t < N_TARGETS; t++)
+        for (int is_negative = 0; is_negative < 2; is_negative++) {
+            char lost[512];
+            file_builder b = {.binary = 0};
+            if (!is_read(&targets[t]))
+                continue;
+            builder_text(&b,
+                         "MeshVersionFormatted 2\nDimension 3\nVertices\n4\n0 0 0 0\n1 0 0 0\n"
+                         "0 1 0 0\n0 0 1 0\nTetrahedra\n1\n%s 1\nEnd\n",
+                         is_negative ? "1 2 4 3" : "1 2 3 4");
+            planish_file *file = converting_open_built(*state, "negative.mesh", &b);
+            planish_file_close(
+                converting_to(*state, file, targets[t].name, targets[t].extension, lost));
+            assert_int_equal(strstr(lost, "positive volumes of 1 solids") != NULL,
+                             is_negative && t < 2);
+            planish_file_close(file);
+        }
+}
+
+/** VTK's wedges are negative by the rule of the other solids. */
+static void wedges_of_vtk_are_no_loss(void **state) {
+    char lost[512];
+    file_builder b = {.binary = 0};
+    builder_text(&b, "# vtk DataFile Version 3.0\n\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 6 "
+                     "double\n0 0 0 0 1 0 1 0 0 0 0 1 0 1 1 1 0 1\nCELLS 1 7\n6 0 1 2 3 4 5\n"
+                     "CELL_TYPES 1\n13\n");
+    planish_file *file = converting_open_built(*state, "wedge.vtk", &b);
+    planish_file_close(converting_to(*state, file, "vtk", ".vtk", lost));
+    assert_string_equal(lost, "parameters and comments");
+    planish_file_close(file);
+}
+
 /* ---- surfaces ------------------------------------------------------------------------------- */
 
 /** STL, OBJ and PLY have the facets of a mesh, by their groups, and no other nodes. */
@@ -1045,6 +1079,8 @@ int main(void) {
         IN_A_FOLDER(own_names_are_lost),
         IN_A_FOLDER(large_integers_are_told),
         IN_A_FOLDER(negative_solids_are_mirrored),
+        IN_A_FOLDER(negative_solids_are_told),
+        IN_A_FOLDER(wedges_of_vtk_are_no_loss),
         IN_A_FOLDER(surfaces_are_converted),
         IN_A_FOLDER(wrong_targets_are_refused),
         cmocka_unit_test(conversions_are_checked_before),

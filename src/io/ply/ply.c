@@ -570,7 +570,7 @@ static int pass_over(ply_reader *r, const ply_element *e) {
 
 /** Note properties and elements that are passed over. */
 static int note_lost(const ply_reader *r) {
-    static const char *const whats[] = {"", "properties of vertices", "properties of faces",
+    static const char *const texts[] = {"", "properties of vertices", "properties of faces",
                                         "properties of edges"};
     const ply_header *h = r->header;
     int status = PLANISH_OK;
@@ -582,7 +582,7 @@ static int note_lost(const ply_reader *r) {
             n_unused += h->property[e->first + k].role == NO_ROLE;
         snprintf(text, sizeof text, "elements '%.*s'", IO_QUOTED(e->name));
         status = io_model_note_lost(r->model, n_unused > 0 && e->count > 0,
-                                    e->kind == OTHER ? text : whats[e->kind], r->error);
+                                    e->kind == OTHER ? text : texts[e->kind], r->error);
     }
     return status;
 }

@@ -71,10 +71,10 @@ static int take_counts(io_cursor *cursor, int64_t count[UCD_N_COUNTS]) {
 }
 
 int ucd_note_data(io_model *model, const int64_t count[UCD_N_COUNTS], planish_error *error) {
-    static const char *const whats[] = {"data of nodes", "data of elements", "data of the model"};
+    static const char *const texts[] = {"data of nodes", "data of elements", "data of the model"};
     int status = PLANISH_OK;
     for (int i = 2; i < UCD_N_COUNTS && !status; i++)
-        status = io_model_note_lost(model, count[i] > 0, whats[i - 2], error);
+        status = io_model_note_lost(model, count[i] > 0, texts[i - 2], error);
     return status;
 }
 

@@ -259,6 +259,20 @@ static void add_cell_data(const io_view *view, vtk_out_arrays *a) {
     add_numbers(view, 1, a->cell_data, &a->n_cell_data);
 }
 
+/** Note solids that have a negative volume, as most of their type; VTK's wedges do. */
+static void lose_volumes(const io_view *view, io_losses *losses) {
+    int64_t n = 0;
+    io_view_cell cell;
+    for (int64_t i = 0; i < view->n_cells; i++) {
+        io_view_cell_at(view, i, &cell);
+        n += view->is_mirrored[cell.type] && io_cell_type_straight(cell.type) != PLANISH_CELL_WEDGE;
+    }
+    if (n > 0)
+        io_losses_add(losses,
+                      "positive volumes of %lld solids (they keep the order of their nodes)",
+                      (long long)n);
+}
+
 int vtk_arrays_begin(const io_view *view, io_losses *losses, vtk_out_arrays *a,
                      planish_error *error) {
     const io_model *model = view->model;
@@ -288,6 +302,7 @@ int vtk_arrays_begin(const io_view *view, io_losses *losses, vtk_out_arrays *a,
     add_cell_data(view, a);
     add_fields(view, losses, a);
     io_view_lose_further(view, losses);
+    lose_volumes(view, losses);
     return PLANISH_OK;
 }
 
