@@ -171,8 +171,10 @@ static void arrays_are_read(void **state) {
     file_builder b = make(&g);
     planish_file *file = converting_open_built(*state, "data.vtkhdf", &b);
     planish_file *copy = converting_to(*state, file, "vtk", ".vtk", lost);
-    assert_string_equal(lost, "the array 'short', the array 'words', field data, data of elements "
-                              "of lower dimensions, parameters and comments");
+    assert_string_equal(lost,
+                        "the array 'short', positive volumes of 1 solids (they keep the order of "
+                        "their nodes), the array 'words', field data, data of elements of lower "
+                        "dimensions, parameters and comments");
     for (int k = 0; k < 2; k++) {
         planish_file *of = k ? copy : file;
         assert_int_equal(planish_file_data(of, "heat", &data, NULL), 0);

@@ -16,6 +16,8 @@
 
 #include "base/status.h"
 
+#include <string.h>
+
 enum { MAGIC = 7, WORD = 4, N_COUNTS = 6, HEAD = 1 + N_COUNTS * WORD, CELL = 4 * WORD };
 
 typedef struct binary_head {
@@ -180,7 +182,7 @@ static int read_all_cells(io_model *model, const binary_head *head, planish_erro
     return status;
 }
 
-int ucd_binary_read(io_model *model, planish_error *error) {
+int ucd_binary_read(io_model *model, int64_t count[UCD_N_COUNTS], planish_error *error) {
     binary_head head;
     const io_bytes *input = &model->input;
     model->is_binary = 1;
@@ -195,7 +197,6 @@ int ucd_binary_read(io_model *model, planish_error *error) {
     int status = read_all_nodes(model, &head, error);
     if (!status)
         status = read_all_cells(model, &head, error);
-    if (!status)
-        status = ucd_note_data(model, head.count, error);
+    memcpy(count, head.count, UCD_N_COUNTS * sizeof *count);
     return status ? status : io_runs_index_tags(model, error);
 }

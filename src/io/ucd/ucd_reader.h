@@ -13,13 +13,10 @@ enum { UCD_N_COUNTS = 5, UCD_N_BINARY_TYPES = 8, UCD_N_TYPES = 15, UCD_MOST_NODE
 /** Types of cells; the first UCD_N_BINARY_TYPES by their numbers in binary files. */
 extern const io_element_type ucd_types[UCD_N_TYPES];
 
-/** Note the data that the counts of a file say. */
-int ucd_note_data(io_model *model, const int64_t count[UCD_N_COUNTS], planish_error *error);
-
 /** Return whether the bytes begin a binary file. */
 int ucd_binary_recognise(const char *data, int64_t size);
 
-/** Read a binary file. */
-int ucd_binary_read(io_model *model, planish_error *error);
+/** Read a binary file, and its counts. */
+int ucd_binary_read(io_model *model, int64_t count[UCD_N_COUNTS], planish_error *error);
 
 #endif
