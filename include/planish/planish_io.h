@@ -207,7 +207,7 @@ typedef struct planish_data_info {
 } planish_data_info;
 
 /** Describe array i (from 0, in the file's order) of the file's data. Returns 1, or 0 if there is no such
- *  array. VTK's formats (except HDF), Gmsh, Exodus and XDMF have data. A name may occur twice, for nodes
+ *  array. VTK's formats, Gmsh, Exodus and XDMF have data. A name may occur twice, for nodes
  *  and for elements. At most 4096 arrays or parts of arrays are looked at. */
 PLANISH_API int planish_file_data_info(const planish_file *file, int64_t i,
                                        planish_data_info *info);

@@ -9,6 +9,7 @@
 
 #include <cmocka.h>
 
+#include "io/core/binary.h"
 #include "support/converting.h"
 #include "support/data_files.h"
 #include "support/file_builder.h"
@@ -309,6 +310,27 @@ static void sets_of_nodes_are_converted(void **state) {
     planish_file_close(file);
 }
 
+/** Regions that groups alone tell stay apart, also where the first group is the same. */
+static void regions_of_groups_are_converted(void **state) {
+    file_builder b = {.binary = 0};
+    char lost[512];
+    builder_text(&b, "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n"
+                     "4 0 0 1\n5 1 1 1\n$EndNodes\n$Elements\n3\n1 4 2 7 4 1 2 3 4\n"
+                     "2 4 2 7 4 2 3 4 5\n3 4 2 8 4 2 3 4 5\n$EndElements\n");
+    planish_file *file = converting_open_built(*state, "regions.msh", &b);
+    assert_int_equal(file->n_regions, 2);
+    for (int t = 0; t < N_TARGETS; t++) {
+        if (!is_read(&targets[t]) || strcmp(targets[t].name, "gmsh22") == 0)
+            continue;
+        planish_file *copy =
+            converting_to(*state, file, targets[t].name, targets[t].extension, lost);
+        if (copy->n_regions != 2)
+            fail_msg("%s: %ld regions", targets[t].name, (long)copy->n_regions);
+        planish_file_close(copy);
+    }
+    planish_file_close(file);
+}
+
 /** Groups of one number have its elements alone, whatever other groups their names have. */
 static void names_of_one_number_are_converted(void **state) {
     static const char *const names[] = {"both", "lower", "only"};
@@ -330,6 +352,60 @@ static void names_of_one_number_are_converted(void **state) {
     }
     planish_file_close(copy);
     planish_file_close(file);
+}
+
+/** Convert three triangles, built as a file called name, to VTU. Expect them to have numbers of groups, and
+ *  these words in the file (or, behind '!', not in it). lost: as converting_to. */
+static void check_groups_of_vtu(const char *folder, const char *name, const char *text,
+                                const double number[3], const char *const *words, char lost[512]) {
+    char path[TEST_PATH_SIZE];
+    planish_error error;
+    planish_data data;
+    size_t size;
+    test_write(folder, name, text, strlen(text));
+    planish_file *file = converting_open(test_path(path, folder, name));
+    planish_file *copy = converting_to(folder, file, "vtu", ".vtu", lost);
+    if (planish_file_data(copy, "group", &data, &error))
+        fail_msg("%s: %s", name, error.text);
+    assert_memory_equal(data.values, number, 3 * sizeof *number);
+    planish_data_free(&data);
+    char *written = test_read(test_path(path, folder, "out-vtu.vtu"), &size);
+    for (; *words; words++)
+        if ((strstr(written, *words + (**words == '!')) != NULL) != (**words != '!'))
+            fail_msg("%s: %s", name, *words);
+    free(written);
+    planish_file_close(copy);
+    planish_file_close(file);
+}
+
+/** Groups of one name are one in VTU files, which have one array of a name. Where numbers have other
+ *  names, too, they stay apart. */
+static void groups_of_one_name_are_joined(void **state) {
+    static const char physical[] =
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n%s$EndPhysicalNames\n$Nodes\n5\n"
+        "1 0 0 0\n2 1 0 0\n3 0 1 0\n4 1 1 0\n5 2 1 0\n$EndNodes\n$Elements\n3\n"
+        "1 2 2 4 1 1 2 3\n2 2 2 9 2 2 4 3\n3 2 2 5 3 2 5 4\n$EndElements\n";
+    static const char *const joined[] = {"Name=\"wall\"", "Name=\"floor\"", "!wall 2:9", NULL};
+    static const char *const apart[] = {"Name=\"wall\"", "Name=\"floor\"", "Name=\"wall 2:9\"",
+                                        NULL};
+    char text[1024], lost[512];
+    if (!reading_knows_vtu())
+        return;
+    snprintf(text, sizeof text, physical, "3\n2 4 \"wall\"\n2 9 \"wall\"\n2 5 \"floor\"\n");
+    check_groups_of_vtu(*state, "one.msh", text, (const double[]){4, 4, 5}, joined, lost);
+    assert_non_null(strstr(lost, "numbers of groups"));
+    snprintf(text, sizeof text, physical, "3\n2 4 \"wall\"\n2 9 \"wall\"\n2 9 \"floor\"\n");
+    check_groups_of_vtu(*state, "two.msh", text, (const double[]){4, 9, 5}, apart, lost);
+    assert_non_null(strstr(lost, "names of several groups (now with their numbers)"));
+    check_groups_of_vtu(*state, "one.bdf",
+                        "BEGIN BULK\n$HMNAME PROP                   4\"wall\"\n"
+                        "$HMNAME PROP                   9\"wall\"\n"
+                        "$HMNAME PROP                   5\"floor\"\n"
+                        "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\n"
+                        "GRID,4,,1.,1.,0.\nGRID,5,,2.,1.,0.\nCTRIA3,1,4,1,2,3\n"
+                        "CTRIA3,2,9,2,4,3\nCTRIA3,3,5,2,5,4\nENDDATA\n",
+                        (const double[]){4, 4, 5}, joined, lost);
+    assert_non_null(strstr(lost, "numbers of groups"));
 }
 
 /** Formats with one name for each element tell which groups they lose. */
@@ -437,6 +513,63 @@ static void numbers_of_groups_are_told(void **state) {
         }
 }
 
+/** Numbers of regions that formats cannot have, or that others have, are told; all others stay. */
+static void numbers_of_regions_are_told(void **state) {
+    static const struct {
+        const char *format, *extension;
+        int tetrahedra, triangles; /* numbers, of which a format tells that they change */
+        int are_lost;
+        const char *words;
+    } cases[] = {{"nastran", ".bdf", 7, 5, 0, "       7       1"},
+                 {"nastran", ".bdf", 7, 7, 1, "CTRIA3         2       1"},
+                 {"nastran", ".bdf", 1, 1, 1, "CTETRA         1       1"},
+                 {"nastran", ".bdf", -3, 5, 1, "CTRIA3         2       5"},
+                 {"nastran", ".bdf", 0, 5, 0, "CTRIA3         2       5"},
+                 {"abaqus", ".inp", 7, 5, 0, "VOLUME7"},
+                 {"abaqus", ".inp", -3, 5, 1, "SURFACE5"},
+                 {"exodus", ".e", 7, 5, 0, "CDF"},
+                 {"exodus", ".e", -3, 5, 1, "CDF"},
+                 {"exodus", ".e", 7, -5, 1, "CDF"}};
+    for (size_t t = 0; t < sizeof cases / sizeof *cases; t++) {
+        char lost[512], path[TEST_PATH_SIZE], name[32];
+        file_builder b = {.binary = 0};
+        builder_text(&b,
+                     "MeshVersionFormatted 2\nDimension 3\nVertices\n4\n0 0 0 0\n1 0 0 0\n"
+                     "0 1 0 0\n0 0 1 0\nTetrahedra\n1\n1 2 3 4 %d\nTriangles\n1\n1 2 3 %d\nEnd\n",
+                     cases[t].tetrahedra, cases[t].triangles);
+        planish_file *file = converting_open_built(*state, "regions.mesh", &b);
+        planish_file_close(converting_to(*state, file, cases[t].format, cases[t].extension, lost));
+        if ((strstr(lost, "numbers of regions") != NULL) != cases[t].are_lost)
+            fail_msg("case %zu: %s", t, lost);
+        snprintf(name, sizeof name, "out-%s%s", cases[t].format, cases[t].extension);
+        char *written = test_read(test_path(path, *state, name), NULL);
+        if (!strstr(written, cases[t].words))
+            fail_msg("case %zu: %s", t, cases[t].words);
+        free(written);
+        planish_file_close(file);
+    }
+}
+
+/** Formats whose names stand between quotes tell those within a name. */
+static void quotes_are_told(void **state) {
+    static const char *const formats[][2] = {{"abaqus", ".inp"}, {"nastran", ".bdf"}};
+    for (int t = 0; t < 2; t++)
+        for (int is_lost = 0; is_lost < 2; is_lost++) {
+            char lost[512];
+            file_builder b = {.binary = 0};
+            builder_text(&b,
+                         "NDIME= 2\nNELEM= 1\n5 0 1 2\nNPOIN= 3\n0 0\n1 0\n0 1\nNMARK= 1\n"
+                         "MARKER_TAG= a %sb\nMARKER_ELEMS= 1\n3 0 1\n",
+                         is_lost ? "\"" : "");
+            planish_file *file = converting_open_built(*state, "quotes.su2", &b);
+            planish_file_close(converting_to(*state, file, formats[t][0], formats[t][1], lost));
+            assert_int_equal(strstr(lost, "quotes and control characters (now '_') in the names "
+                                          "of 1 group") != NULL,
+                             is_lost);
+            planish_file_close(file);
+        }
+}
+
 /** Sets of Abaqus have the references of regions, and numbers behind these without one. */
 static void sets_have_references(void **state) {
     static const char *const names[] = {"VOLUME70", "VOLUME9", "VOLUME73"};
@@ -493,6 +626,85 @@ static void cards_are_told(void **state) {
     assert_string_equal(lost, "GRAV, BSURF, MAT1, PSOLID, CONM2, RBE2, SPC1, FORCE, 1 elements of "
                               "other types, parameters and comments");
     planish_file_close(file);
+}
+
+/** Expect what is lost of a file with data, and that words are not among it if it has none. */
+static void check_passed_over(const char *folder, const char *name, const char *text, size_t size,
+                              const char *words) {
+    char path[TEST_PATH_SIZE], lost[512], expected[600];
+    test_write(folder, name, text, size);
+    planish_file *file = converting_open(test_path(path, folder, name));
+    planish_file_close(converting_to(folder, file, "gmsh", ".msh", lost));
+    snprintf(expected, sizeof expected, "%sparameters and comments", words);
+    assert_string_equal(lost, expected);
+    planish_file_close(file);
+}
+
+/** Colours, normals, attributes and data of formats that planish does not read them of. */
+static void passed_over_data_are_told(void **state) {
+    static const struct {
+        const char *name, *text, *words;
+    } files[] = {
+        {"a.avs", "3 1 0 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n1 1 tri 1 2 3\n", ""},
+        {"b.avs",
+         "3 1 1 1 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n1 1 tri 1 2 3\n1 1\nt, K\n1 1\n2 1\n3 1\n"
+         "1 1\ns, Pa\n1 5\n",
+         "data of nodes, data of elements, "},
+        {"a.off", "OFF\n3 1 0\n0 0 0 # c\n1 0 0\n0 1 0\n3 0 1 2 # 5\n", ""},
+        {"b.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 255 0 0\n", "colours of faces, "},
+        {"c.off", "COFF\n3 1 0\n0 0 0 1 1 1 1\n1 0 0 1 1 1 1\n0 1 0 1 1 1 1\n3 0 1 2\n",
+         "normals or colours of vertices, "},
+        {"d.off", "OFF\n3 1 0\n0 0 0\n1 0 0 9\n0 1 0\n3 0 1 2\n",
+         "normals or colours of vertices, "},
+        {"a.ply",
+         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+         "property float z\nelement face 1\nproperty list uchar int vertex_index\n"
+         "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+         ""},
+        {"b.ply",
+         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+         "property float z\nproperty uchar red\nelement face 1\n"
+         "property list uchar int vertex_index\nproperty int mat\nelement material 1\n"
+         "property int a\nend_header\n0 0 0 9\n1 0 0 9\n0 1 0 9\n3 0 1 2 1\n7\n",
+         "properties of vertices, properties of faces, elements 'material', "},
+        {"a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\nf 1/1/1 2/1/1 3/1/1\n",
+         "texture coordinates, normals of vertices, "},
+        {"a.node", "3 2 1 0\n1 0 0 7\n2 1 0 7\n3 0 1 7\n", "attributes of nodes, "},
+        {"b.node", "3 2 0 0\n1 0 0\n2 1 0\n3 0 1\n", "attributes of elements, "},
+        {"c.node", "3 2 0 0\n1 0 0\n2 1 0\n3 0 1\n", ""},
+    };
+    test_write(*state, "a.ele", "1 3 1\n1 1 2 3 5\n", 16);
+    test_write(*state, "b.ele", "1 3 1\n1 1 2 3 .5\n", 17);
+    test_write(*state, "c.ele", "1 3 1\n1 1 2 3 5\n", 16);
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++)
+        check_passed_over(*state, files[i].name, files[i].text, strlen(files[i].text),
+                          files[i].words);
+}
+
+/** The same of binary files: STL's, and AVS UCD's. */
+static void passed_over_bytes_are_told(void **state) {
+    static const int corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    for (int has_data = 0; has_data < 2; has_data++) {
+        file_builder stl = {.binary = 1, .swapped = !io_machine_is_little()}, ucd = stl;
+        for (int i = 0; i < 80; i++)
+            builder_integer(&stl, 0, 1);
+        builder_integer(&stl, 1, 4);
+        for (int i = 0; i < 12; i++)
+            builder_real(&stl, i < 3 ? i == 2 : corners[i - 3], 4);
+        builder_integer(&stl, has_data << 8, 2);
+        check_passed_over(*state, "x.stl", stl.data, (size_t)stl.size,
+                          has_data ? "colours of facets, " : "");
+        builder_release(&stl);
+        const int whole[] = {3, 1, has_data, 0, 0, 3, 1, 1, 3, 2, 1, 2, 3};
+        builder_integer(&ucd, 7, 1);
+        for (int i = 0; i < 13; i++)
+            builder_integer(&ucd, whole[i], 4);
+        for (int i = 0; i < 9; i++)
+            builder_real(&ucd, corners[i % 3 * 3 + i / 3], 4);
+        check_passed_over(*state, "x.ucd", ucd.data, (size_t)ucd.size,
+                          has_data ? "data of nodes, " : "");
+        builder_release(&ucd);
+    }
 }
 
 /** Of Medit all keywords but those of the mesh, unless there are none of what they list. */
@@ -674,6 +886,40 @@ static void negative_solids_are_mirrored(void **state) {
     planish_file_close(file);
 }
 
+/** VTK's formats keep the order of nodes, and tell where volumes are negative by it. */
+static void negative_solids_are_told(void **state) {
+    for (int t = 0; t < N_TARGETS; t++)
+        for (int is_negative = 0; is_negative < 2; is_negative++) {
+            char lost[512];
+            file_builder b = {.binary = 0};
+            if (!is_read(&targets[t]))
+                continue;
+            builder_text(&b,
+                         "MeshVersionFormatted 2\nDimension 3\nVertices\n4\n0 0 0 0\n1 0 0 0\n"
+                         "0 1 0 0\n0 0 1 0\nTetrahedra\n1\n%s 1\nEnd\n",
+                         is_negative ? "1 2 4 3" : "1 2 3 4");
+            planish_file *file = converting_open_built(*state, "negative.mesh", &b);
+            planish_file_close(
+                converting_to(*state, file, targets[t].name, targets[t].extension, lost));
+            assert_int_equal(strstr(lost, "positive volumes of 1 solids") != NULL,
+                             is_negative && t < 2);
+            planish_file_close(file);
+        }
+}
+
+/** VTK's wedges are negative by the rule of the other solids. */
+static void wedges_of_vtk_are_no_loss(void **state) {
+    char lost[512];
+    file_builder b = {.binary = 0};
+    builder_text(&b, "# vtk DataFile Version 3.0\n\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 6 "
+                     "double\n0 0 0 0 1 0 1 0 0 0 0 1 0 1 1 1 0 1\nCELLS 1 7\n6 0 1 2 3 4 5\n"
+                     "CELL_TYPES 1\n13\n");
+    planish_file *file = converting_open_built(*state, "wedge.vtk", &b);
+    planish_file_close(converting_to(*state, file, "vtk", ".vtk", lost));
+    assert_string_equal(lost, "parameters and comments");
+    planish_file_close(file);
+}
+
 /* ---- surfaces ------------------------------------------------------------------------------- */
 
 /** STL, OBJ and PLY have the facets of a mesh, by their groups, and no other nodes. */
@@ -811,22 +1057,30 @@ int main(void) {
         IN_A_FOLDER(files_are_converted),
         IN_A_FOLDER(groups_are_converted),
         IN_A_FOLDER(sets_of_nodes_are_converted),
+        IN_A_FOLDER(regions_of_groups_are_converted),
         IN_A_FOLDER(names_of_one_number_are_converted),
+        IN_A_FOLDER(groups_of_one_name_are_joined),
         IN_A_FOLDER(other_groups_are_told),
         IN_A_FOLDER(groups_beside_arrays_are_told),
         IN_A_FOLDER(references_of_nodes_are_told),
         IN_A_FOLDER(groups_of_points_are_converted),
         IN_A_FOLDER(numbers_of_groups_are_told),
+        IN_A_FOLDER(numbers_of_regions_are_told),
+        IN_A_FOLDER(quotes_are_told),
         IN_A_FOLDER(sets_have_references),
         IN_A_FOLDER(surfaces_tell_nodes_and_blanks),
         IN_A_FOLDER(cards_are_told),
         IN_A_FOLDER(keywords_are_told),
+        IN_A_FOLDER(passed_over_data_are_told),
+        IN_A_FOLDER(passed_over_bytes_are_told),
         IN_A_FOLDER(numbers_begin_at_1),
         IN_A_FOLDER(regions_in_turn_are_converted),
         IN_A_FOLDER(data_are_converted),
         IN_A_FOLDER(own_names_are_lost),
         IN_A_FOLDER(large_integers_are_told),
         IN_A_FOLDER(negative_solids_are_mirrored),
+        IN_A_FOLDER(negative_solids_are_told),
+        IN_A_FOLDER(wedges_of_vtk_are_no_loss),
         IN_A_FOLDER(surfaces_are_converted),
         IN_A_FOLDER(wrong_targets_are_refused),
         cmocka_unit_test(conversions_are_checked_before),

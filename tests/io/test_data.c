@@ -239,7 +239,7 @@ static void formats_without_data(void **state) {
     planish_file_close(file);
     file = reading_text(&io_format_off, "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
     expect_no_data(file, "h", PLANISH_ERROR_ARGUMENT,
-                   "only from files of VTK (.vtk, .vtu), Gmsh, Exodus and XDMF, not from off");
+                   "only from files of VTK, Gmsh, Exodus and XDMF, not from off");
     planish_file_close(file);
 }
 

@@ -1,4 +1,5 @@
 /* VTKHDF: what is read, held and refused, and how coordinates come back however they are stored. */
+#include "support/converting.h"
 #include "support/files.h"
 #include "support/hdf5_builder.h"
 #include "support/reading.h"
@@ -22,7 +23,7 @@ typedef struct grid {
     int is_float, is_big, is_packed, is_compact, chunk, columns_apart, partitions;
     hsize_t user_block;
     int points, cells, node, type, offset, steps; /* what is wrong, as a value; -1: nothing */
-    int has_faces; /* a polyhedron's faces: the last node is number 5 + has_faces */
+    int has_data, has_faces; /* a polyhedron's faces: the last node is number 5 + has_faces */
     const char *kind;
     double x; /* of the second point */
 } grid;
@@ -91,6 +92,18 @@ static void put_cells(hdf5_builder *b, const grid *g) {
     hdf5_array(b, "/VTKHDF/Types", H5T_STD_U8LE, H5T_NATIVE_INT, N_CELLS, 0, types);
 }
 
+/** Put arrays of points and cells: numbers, too few, and text. */
+static void put_data(hdf5_builder *b) {
+    static const double heat[N_POINTS] = {0, .5, 1, 1.5, 2, 2.5, 3},
+                        stress[N_CELLS * 6] = {1, 2, 3, 4, 5, 6, 11, 12, 13, 14, 15, 16};
+    hdf5_group(b, "/VTKHDF/FieldData");
+    hdf5_array(b, "/VTKHDF/PointData/heat", H5T_IEEE_F32BE, H5T_NATIVE_DOUBLE, N_POINTS, 0, heat);
+    hdf5_array(b, "/VTKHDF/PointData/short", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, 3, 0, heat);
+    hdf5_array(b, "/VTKHDF/CellData/stress", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, N_CELLS, 6, stress);
+    hdf5_array(b, "/VTKHDF/FieldData/time", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, 1, 0, heat);
+    hdf5_group(b, "/VTKHDF/CellData/words");
+}
+
 static file_builder make(const grid *g) {
     static const int fixed[N_POINTS] = {0, 0, 0, 0, 0, 0, 3}, region[N_CELLS] = {7, 8, 1, 1};
     hdf5_builder b;
@@ -102,6 +115,8 @@ static file_builder make(const grid *g) {
     put_cells(&b, g);
     hdf5_integers(&b, "/VTKHDF/PointData/fixed", N_POINTS, fixed);
     hdf5_integers(&b, "/VTKHDF/CellData/MaterialIDs", N_CELLS, region);
+    if (g->has_data)
+        put_data(&b);
     if (g->steps >= 0) {
         hdf5_group(&b, "/VTKHDF/Steps");
         hdf5_attribute(&b, "/VTKHDF/Steps", "NSteps", g->steps);
@@ -145,6 +160,36 @@ static void a_grid_is_read(void **state) {
     assert_int_equal(file->model.hold[4], 0);
     planish_file_close(file);
     builder_release(&b);
+}
+
+/** Arrays of numbers are read, and go into other formats; what is lost is told. */
+static void arrays_are_read(void **state) {
+    grid g = right;
+    char lost[512];
+    planish_data data;
+    g.has_data = 1;
+    file_builder b = make(&g);
+    planish_file *file = converting_open_built(*state, "data.vtkhdf", &b);
+    planish_file *copy = converting_to(*state, file, "vtk", ".vtk", lost);
+    assert_string_equal(lost,
+                        "the array 'short', positive volumes of 1 solids (they keep the order of "
+                        "their nodes), the array 'words', field data, data of elements of lower "
+                        "dimensions, parameters and comments");
+    for (int k = 0; k < 2; k++) {
+        planish_file *of = k ? copy : file;
+        assert_int_equal(planish_file_data(of, "heat", &data, NULL), 0);
+        assert_true(data.n == N_POINTS && data.n_components == 1 && data.values[5] == 2.5);
+        planish_data_free(&data);
+        static const double second[] = {11, 14, 12, 16, 15, 13}; /* 11, 12, 22, 13, 23, 33 */
+        assert_int_equal(planish_file_data(of, "stress", &data, NULL), 0);
+        assert_true(data.n == 3 && data.n_components == 6 && data.of_elements);
+        assert_memory_equal(data.values + 6, second, sizeof second);
+        planish_data_free(&data);
+    }
+    assert_int_equal(planish_file_data(file, "short", &data, NULL), PLANISH_ERROR_FORMAT);
+    assert_int_equal(planish_file_data(file, "fixed", &data, NULL), PLANISH_ERROR_ARGUMENT);
+    planish_file_close(copy);
+    planish_file_close(file);
 }
 
 static void partitions_follow_each_other(void **state) {
@@ -387,6 +432,7 @@ static void errors_are_told_as_before(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_grid_is_read),
+        cmocka_unit_test_setup_teardown(arrays_are_read, test_folder_create, test_folder_remove),
         cmocka_unit_test(partitions_follow_each_other),
         cmocka_unit_test(other_cells_hold_their_nodes),
         cmocka_unit_test(wrong_files_are_refused),

@@ -111,6 +111,16 @@ static void put_own_name(io_writer *writer, const set_marks *marks, int word, in
     io_put_text(writer, "\n");
 }
 
+/** Note that numbers that are not positive are not in the names of sets. */
+static void lose_negative(const io_view *view, const io_view_blocks *blocks, io_losses *losses) {
+    int is_lost = 0;
+    for (int64_t b = 0; b < blocks->n; b++)
+        is_lost |=
+            blocks->block[b].reference <= 0 && io_view_loses_region(view, &blocks->block[b], 0);
+    if (is_lost)
+        io_losses_add(losses, "numbers of regions");
+}
+
 /** Put the name of the set that a block is of. */
 static void put_set(io_writer *writer, const set_marks *marks, const io_view_block *block) {
     const int has_reference = marks->has_references && block->reference > 0;
@@ -356,15 +366,10 @@ static void lose_type_names(const io_view *view, const io_view_type *types, io_l
 /** Note names that are longer than Abaqus takes them, those that are cut, and those with other characters. */
 static void lose_names(const io_model *model, io_losses *losses) {
     enum { MOST_NAME = 80 };
-    int64_t n_long = 0, n_replaced = 0;
-    for (int32_t i = 0; i < model->n_groups; i++) {
+    int64_t n_long = 0;
+    for (int32_t i = 0; i < model->n_groups; i++)
         n_long += strlen(model->group[i].name) > MOST_NAME;
-        n_replaced += has_replaced(model->group[i].name);
-    }
-    if (n_replaced > 0)
-        io_losses_add(losses,
-                      "quotes and control characters (now '_') in the names of %" PRId64 " group%s",
-                      n_replaced, n_replaced > 1 ? "s" : "");
+    io_view_lose_quotes(model, 0, losses);
     if (n_long > 0)
         io_losses_add(losses,
                       "names that Abaqus takes (of at most %d characters) for %" PRId64 " group%s",
@@ -388,6 +393,7 @@ static int abaqus_write(const io_view *view, pl_output *output, io_losses *losse
         lose_names(view->model, losses);
         io_view_lose_references(view, losses);
         io_view_lose_tags(view, &blocks, 0, 1, losses);
+        lose_negative(view, &blocks, losses);
         io_view_lose_fields(view, losses);
     }
     io_view_blocks_release(&blocks);

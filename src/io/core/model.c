@@ -288,6 +288,12 @@ int io_model_index_tags_but(io_model *model, int dim, int64_t none, int32_t *tag
     return PLANISH_OK;
 }
 
+int io_model_note_lost(io_model *model, int is_there, const char *what, planish_error *error) {
+    return !is_there || io_names_add(&model->not_carried, what, (int64_t)strlen(what))
+               ? PLANISH_OK
+               : pl_fail_memory(error, "what is not converted");
+}
+
 int io_model_group(io_model *model, int dim, int32_t tag, const char *name, int64_t length,
                    planish_error *error) {
     char *copy = pl_alloc(length + 1, 1);

@@ -519,6 +519,9 @@ int io_model_index_tags(io_model *model, int dim, int32_t *tags, int64_t n, plan
 int io_model_index_tags_but(io_model *model, int dim, int64_t none, int32_t *tags, int64_t n,
                             planish_error *error);
 
+/** Note what no conversion carries over, if is_there. */
+int io_model_note_lost(io_model *model, int is_there, const char *what, planish_error *error);
+
 /** Note a named group behind the others. */
 int io_model_group(io_model *model, int dim, int32_t tag, const char *name, int64_t length,
                    planish_error *error);

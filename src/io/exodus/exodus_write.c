@@ -371,14 +371,26 @@ static int look_for_empty(const exodus_mesh *mesh, int *has_empty, planish_error
     return status;
 }
 
+/** Return whether sets have other numbers than the file's, below 0. */
+static int have_negative(const exodus_mesh *mesh) {
+    int has_negative = 0;
+    for (int k = 0; k < 2; k++)
+        for (int64_t i = 0; i < mesh->sets[k].n; i++)
+            has_negative |= mesh->sets[k].group[i].group < 0 && mesh->sets[k].group[i].number < 0;
+    return has_negative && !mesh->view->model->groups_by_name;
+}
+
 static int list_losses(const exodus_mesh *mesh, io_losses *losses, planish_error *error) {
     int has_several = 0, has_empty = 0, is_divided = 0, has_parts = 0, has_tags = 0;
+    int is_changed = have_negative(mesh);
     for (int64_t b = 0; b < mesh->n_blocks; b++) {
         const exodus_out_block *block = &mesh->block[b];
         has_several |= block->group >= 0 &&
                        io_view_next_group(mesh->view, block->of->entity, block->group) >= 0;
         is_divided |= block->group >= 0 && !block->is_first;
         has_tags |= io_view_loses_tag(mesh->view, block->of, block->of->reference, 1);
+        is_changed |=
+            block->of->begins_set && io_view_loses_region(mesh->view, block->of, block->id);
         has_parts |= exodus_has_values(mesh, b) && !block->of->begins_set;
     }
     const int status = look_for_empty(mesh, &has_empty, error);
@@ -386,6 +398,8 @@ static int list_losses(const exodus_mesh *mesh, io_losses *losses, planish_error
         io_losses_add(losses, "all but the first group of elements that are in several");
     if (has_tags)
         io_losses_add(losses, "numbers of groups");
+    if (is_changed)
+        io_losses_add(losses, "numbers of regions");
     if (is_divided)
         io_losses_add(losses, "groups of several blocks as one");
     if (has_parts)

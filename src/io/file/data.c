@@ -57,7 +57,7 @@ static int find(const planish_file *file, const char *name, const io_data **data
     const io_model *model = &file->model;
     if (!file->format->read_data)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "%s: planish reads arrays of numbers only from files of VTK (.vtk, .vtu), "
+                       "%s: planish reads arrays of numbers only from files of VTK, "
                        "Gmsh, Exodus and XDMF, not from %s%s",
                        model->input.path, file->format->name,
                        file->format == &io_format_medit ? "; Medit keeps sizes in NAME.sol" : "");

@@ -81,34 +81,12 @@ static void find_box(const gmsh_out *g, out_entity *e) {
         }
 }
 
-/** Number of an entity in the file. */
-typedef struct old_number {
-    int64_t tag, at;
-} old_number;
-
-static int compare_numbers(const void *a, const void *b) {
-    const old_number *x = a, *y = b;
-    if (x->tag != y->tag)
-        return x->tag < y->tag ? -1 : 1;
-    return (x->at > y->at) - (x->at < y->at);
-}
-
-/** Find the numbers [n] of entities of one dimension: the file's where they are positive, of several
- *  that are equal the first; or else free ones. */
+/** Find the numbers [n] of entities of one dimension: the file's, or free ones. */
 static int find_numbers(const out_entity *entity, int64_t n, int64_t *number,
                         planish_error *error) {
-    old_number *old = pl_alloc(n, sizeof *old);
-    if (!old)
-        return pl_fail_memory(error, "numbers of entities");
     for (int64_t i = 0; i < n; i++)
-        old[i] = (old_number){entity[i].tag, i};
-    qsort(old, (size_t)n, sizeof *old, compare_numbers);
-    for (int64_t i = 0; i < n; i++) {
-        const int is_kept = old[i].tag > 0 && (i == 0 || old[i].tag != old[i - 1].tag);
-        number[old[i].at] = is_kept ? old[i].tag : 0;
-    }
-    pl_free(old);
-    return gmsh_fill_numbers(number, n, error);
+        number[i] = entity[i].tag;
+    return io_view_distinct_numbers(number, n, INT64_MAX, error);
 }
 
 /** Number the entities of each dimension, and note whether numbers that the user may know change. */

@@ -204,30 +204,6 @@ static int find_members(group_finder *f, planish_error *error) {
 
 /* ---- numbers -------------------------------------------------------------------------------- */
 
-static int compare_numbers(const void *a, const void *b) {
-    const int64_t x = *(const int64_t *)a, y = *(const int64_t *)b;
-    return (x > y) - (x < y);
-}
-
-int gmsh_fill_numbers(int64_t *number, int64_t n, planish_error *error) {
-    int64_t *used = pl_alloc(n, sizeof *used), at = 0, next = 1;
-    if (!used)
-        return pl_fail_memory(error, "numbers of groups");
-    if (n > 0) {
-        memcpy(used, number, (size_t)n * sizeof *used);
-        qsort(used, (size_t)n, sizeof *used, compare_numbers);
-    }
-    for (int64_t i = 0; i < n; i++) {
-        if (number[i] != 0)
-            continue;
-        for (; at < n && used[at] <= next; at++)
-            next += used[at] == next;
-        number[i] = next++;
-    }
-    pl_free(used);
-    return PLANISH_OK;
-}
-
 /** Return whether a number is one that the user may know. */
 static int is_own_number(const io_model *model, int32_t tag) {
     return tag > 0 && !model->groups_by_name;
@@ -277,7 +253,7 @@ static int number_groups(group_finder *f, const io_view_blocks *blocks, planish_
         f->out->number ? keep_numbers(f, error) : pl_fail_memory(error, "numbers of groups");
     if (!status) {
         leave_out(f, blocks);
-        status = gmsh_fill_numbers(f->out->number, f->out->n, error);
+        status = io_view_fill_numbers(f->out->number, f->out->n, error);
     }
     return status;
 }

@@ -3,7 +3,6 @@
  *   gmsh_physical, gmsh_groups           groups, and which of them entities are in
  *   gmsh_groups_make, _release           make and release them
  *   gmsh_groups_count, _number           those of an entity
- *   gmsh_fill_numbers                    free numbers
  */
 #ifndef PL_IO_GMSH_GMSH_WRITE_GROUPS_H
 #define PL_IO_GMSH_GMSH_WRITE_GROUPS_H
@@ -36,9 +35,5 @@ int64_t gmsh_groups_count(const gmsh_groups *groups, int32_t entity);
 
 /** Return the number of group k, from 0, of an entity; 0: it is in no more groups. */
 int64_t gmsh_groups_number(const gmsh_groups *groups, int32_t entity, int64_t k);
-
-/** Replace each 0 among numbers [n] by the smallest positive number that is none of them yet. Error:
- *  _MEMORY. */
-int gmsh_fill_numbers(int64_t *number, int64_t n, planish_error *error);
 
 #endif

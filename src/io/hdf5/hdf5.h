@@ -4,7 +4,7 @@
  *   io_hdf5_recognise, _open, _end, _fail                  a file (hdf5_file.c)
  *   io_hdf5_path_of, _kind_of, _list, _names_..., _check_only    objects
  *   io_hdf5_attribute, _text_attribute                     attributes
- *   io_hdf5_shape_of, _integers_..., _strings_read, _reals_read, _row_read, _cell_array
+ *   io_hdf5_shape_of, _integers_..., _strings_read, _reals_read, _is_numbers, _row_read, _cell_array
  *                                                          datasets (hdf5_data.c)
  *   io_hdf5_coordinates, _coordinates_again, _is_as_long, _coordinates_end, _find_rows
  *                                                          coordinates (hdf5_coordinates.c)
@@ -98,6 +98,9 @@ int io_hdf5_strings_read(io_hdf5 *file, const char *path, char **text, int64_t *
 
 /** Read numbers of any kind as doubles, and their shape; *values is owned by the caller. */
 int io_hdf5_reals_read(io_hdf5 *file, const char *path, double **values, io_hdf5_shape *shape);
+
+/** Return whether the object at path has numbers, and their shape. */
+int io_hdf5_is_numbers(io_hdf5 *file, const char *path, io_hdf5_shape *shape, int *is_integer);
 
 /** Read n real numbers as doubles: a dataset of so many, or the first row of one of rows of so many. */
 int io_hdf5_row_read(io_hdf5 *file, const char *path, int64_t n, double *values);

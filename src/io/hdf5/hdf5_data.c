@@ -282,6 +282,16 @@ int io_hdf5_reals_read(io_hdf5 *file, const char *path, double **values, io_hdf5
     return status;
 }
 
+int io_hdf5_is_numbers(io_hdf5 *file, const char *path, io_hdf5_shape *shape, int *is_integer) {
+    hdf5_dataset d;
+    const int is_open = !hdf5_dataset_open(file, path, &d);
+    const H5T_class_t class = is_open ? H5Tget_class(d.type) : H5T_NO_CLASS;
+    *shape = d.shape;
+    *is_integer = class == H5T_INTEGER;
+    hdf5_dataset_close(&d);
+    return class == H5T_INTEGER || class == H5T_FLOAT;
+}
+
 /** Read the first n values of an open dataset of real numbers. */
 static int read_first(io_hdf5 *file, const char *path, const hdf5_dataset *d, int64_t n,
                       double *values) {

@@ -138,6 +138,7 @@ static int nastran_write(const io_view *view, pl_output *output, io_losses *loss
         io_put_text(&n.writer, "ENDDATA\n");
         io_view_lose_types(types, &blocks, losses);
         io_view_lose_others(view, losses);
+        io_view_lose_quotes(view->model, 1, losses);
         io_view_lose_tags(view, &blocks, 1, 1, losses);
         io_view_lose_fields(view, losses);
         io_losses_add(losses, "digits of coordinates beyond 16 characters");

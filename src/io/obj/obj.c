@@ -36,6 +36,7 @@ typedef enum obj_kind {
     GROUP,
     MATERIAL,
     NORMAL,
+    TEXTURE,
     REFUSED
 } obj_kind;
 
@@ -104,10 +105,11 @@ static obj_kind take_kind(io_cursor *line) {
     static const struct {
         const char *word;
         obj_kind kind;
-    } kinds[] = {{"v", VERTEX},     {"f", FACE},       {"vn", NORMAL},    {"l", LINE},
-                 {"p", POINT},      {"o", OBJECT},     {"g", GROUP},      {"usemtl", MATERIAL},
-                 {"curv", REFUSED}, {"surf", REFUSED}, {"call", REFUSED}, {"bzp", REFUSED},
-                 {"bsp", REFUSED},  {"cdc", REFUSED},  {"cdp", REFUSED},  {"res", REFUSED}};
+    } kinds[] = {{"v", VERTEX},        {"f", FACE},       {"vn", NORMAL},    {"l", LINE},
+                 {"vt", TEXTURE},      {"p", POINT},      {"o", OBJECT},     {"g", GROUP},
+                 {"usemtl", MATERIAL}, {"curv", REFUSED}, {"surf", REFUSED}, {"call", REFUSED},
+                 {"bzp", REFUSED},     {"bsp", REFUSED},  {"cdc", REFUSED},  {"cdp", REFUSED},
+                 {"res", REFUSED}};
     const io_slice word = next_word(line);
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
         if (io_slice_is(word, kinds[i].word, 0))
@@ -381,7 +383,9 @@ static int read_line(obj_reader *r, io_cursor line) {
                           "other files; export the model as polygons");
     case NORMAL:
         r->model->has_normals = 1;
-        return PLANISH_OK;
+        return io_model_note_lost(r->model, 1, "normals of vertices", r->error);
+    case TEXTURE:
+        return io_model_note_lost(r->model, 1, "texture coordinates", r->error);
     case OTHER:
         break;
     }
@@ -421,7 +425,7 @@ static int obj_read(io_model *model, planish_error *error) {
 /** Return whether the first line that is no comment begins with a word of the format, and a vertex or
  *  face follows. */
 static int obj_recognise(const char *data, int64_t size) {
-    static const char *const words[] = {"mtllib", "vt", "vp", "s", "usemap", "cstype", "deg"};
+    static const char *const words[] = {"mtllib", "vp", "s", "usemap", "cstype", "deg"};
     io_cursor cursor = io_begin_text(data, size);
     while (cursor.at < cursor.end) {
         io_cursor line = next_line(&cursor), rest = line;

@@ -14,6 +14,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 
+#include <stdatomic.h>
 #include <string.h>
 
 enum { WORD_SIZE = 4, N_COUNTS = 3, TRIANGLE = 3, QUADRILATERAL = 4, LINE = 2 };
@@ -27,6 +28,7 @@ typedef struct off_reader {
     int extra;              /* numbers of a vertex besides its coordinates */
     int64_t corners;        /* text: of all faces; 0: they differ */
     io_record_kind face;
+    atomic_int has_more[2]; /* numbers behind coordinates, and behind vertices of a face */
 } off_reader;
 
 /* ---- the first lines ---------------------------------------------------------------------- */
@@ -88,9 +90,18 @@ static int64_t words_of_line(io_cursor cursor) {
     }
 }
 
+/** Note that a line, of a vertex or a face, goes on at the cursor. */
+static void look_behind(off_reader *r, int is_face, io_cursor cursor) {
+    if (!atomic_load_explicit(&r->has_more[is_face], memory_order_relaxed) &&
+        words_of_line(cursor) > 0)
+        atomic_store_explicit(&r->has_more[is_face], 1, memory_order_relaxed);
+}
+
 static int read_vertices(void *context, io_cursor *cursor, int64_t begin, int64_t end,
                          planish_error *error) {
-    const off_reader *r = context;
+    off_reader *r = context;
+    if (error) /* what threads saw, which will not be read as they did, says nothing */
+        atomic_store_explicit(&r->has_more[0], 0, memory_order_relaxed);
     for (int64_t i = begin; i < end; i++) {
         if (r->model->is_binary) {
             const int status = io_load_node(r->model, cursor->at, WORD_SIZE, r->swapped, i, error);
@@ -109,6 +120,7 @@ static int read_vertices(void *context, io_cursor *cursor, int64_t begin, int64_
         if (cursor->at > line.at)
             return io_fail_at(r->model, row, error,
                               "vertex %lld: three coordinates expected in one line", (long long)i);
+        look_behind(r, 0, (io_cursor){cursor->at, line.at});
         cursor->at = line.at;
     }
     return PLANISH_OK;
@@ -117,8 +129,9 @@ static int read_vertices(void *context, io_cursor *cursor, int64_t begin, int64_
 /* ---- faces -------------------------------------------------------------------------------- */
 
 /** Skip the colour of a face. */
-static int skip_colour(const off_reader *r, io_cursor *cursor, int64_t face, planish_error *error) {
+static int skip_colour(off_reader *r, io_cursor *cursor, int64_t face, planish_error *error) {
     if (!r->model->is_binary) {
+        look_behind(r, 1, *cursor);
         io_skip_line(cursor);
         return PLANISH_OK;
     }
@@ -132,6 +145,8 @@ static int skip_colour(const off_reader *r, io_cursor *cursor, int64_t face, pla
                           "are left",
                           (long long)face, (long long)n, (long long)io_left(cursor));
     cursor->at += n * WORD_SIZE;
+    if (n > 0)
+        atomic_store_explicit(&r->has_more[1], 1, memory_order_relaxed);
     return PLANISH_OK;
 }
 
@@ -142,6 +157,8 @@ static int read_faces(void *context, io_cursor *cursor, int64_t begin, int64_t e
     off_reader *r = context;
     io_model *model = r->model;
     io_cells *triangles = &model->triangle, *lines = &model->line;
+    if (error)
+        atomic_store_explicit(&r->has_more[1], 0, memory_order_relaxed);
     for (int64_t i = begin; i < end; i++) {
         int64_t corners, node;
         if (!model->is_binary)
@@ -225,6 +242,16 @@ static int read_all_faces(off_reader *r, int64_t n) {
 
 /* ---- the format --------------------------------------------------------------------------- */
 
+/** Note normals, colours and the like. */
+static int note_lost(off_reader *r) {
+    const int of_vertices = r->extra > 0 || atomic_load(&r->has_more[0]);
+    const int status =
+        io_model_note_lost(r->model, of_vertices, "normals or colours of vertices", r->error);
+    return status ? status
+                  : io_model_note_lost(r->model, atomic_load(&r->has_more[1]), "colours of faces",
+                                       r->error);
+}
+
 static int read_parts(off_reader *r) {
     io_model *model = r->model;
     int64_t counts[N_COUNTS];
@@ -255,7 +282,9 @@ static int read_parts(off_reader *r) {
     if (!status)
         status = io_check_count(model, r->cursor, counts[1], model->is_binary ? 2 * WORD_SIZE : 2,
                                 "faces", r->error);
-    return status ? status : read_all_faces(r, counts[1]);
+    if (!status)
+        status = read_all_faces(r, counts[1]);
+    return status ? status : note_lost(r);
 }
 
 static int off_read(io_model *model, planish_error *error) {

@@ -23,6 +23,7 @@
 #include "base/round.h"
 #include "base/status.h"
 
+#include <stdio.h>
 #include <string.h>
 
 enum { TRIANGLE = 3, QUADRILATERAL = 4, LINE = 2 };
@@ -567,6 +568,25 @@ static int pass_over(ply_reader *r, const ply_element *e) {
     return status;
 }
 
+/** Note properties and elements that are passed over. */
+static int note_lost(const ply_reader *r) {
+    static const char *const texts[] = {"", "properties of vertices", "properties of faces",
+                                        "properties of edges"};
+    const ply_header *h = r->header;
+    int status = PLANISH_OK;
+    for (int64_t i = 0; i < h->n_elements && !status; i++) {
+        const ply_element *e = &h->element[i];
+        char text[64];
+        int n_unused = 0;
+        for (int64_t k = 0; k < e->n; k++)
+            n_unused += h->property[e->first + k].role == NO_ROLE;
+        snprintf(text, sizeof text, "elements '%.*s'", IO_QUOTED(e->name));
+        status = io_model_note_lost(r->model, n_unused > 0 && e->count > 0,
+                                    e->kind == OTHER ? text : texts[e->kind], r->error);
+    }
+    return status;
+}
+
 /* ---- the format ----------------------------------------------------------------------------------- */
 
 /** Read elements in the file's order, but faces and edges that stand before vertices last. */
@@ -611,8 +631,10 @@ static int ply_read(io_model *model, planish_error *error) {
     model->of_format = r.header;
     if (!r.header)
         return pl_fail_memory(error, "the header of the file");
-    const int status = read_header(&r);
-    return status ? status : read_elements(&r);
+    int status = read_header(&r);
+    if (!status)
+        status = read_elements(&r);
+    return status ? status : note_lost(&r);
 }
 
 static int ply_recognise(const char *data, int64_t size) {

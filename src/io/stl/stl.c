@@ -32,6 +32,7 @@ enum {
     FACET_SIZE = 50,
     POINTS_AT = 12, /* in a facet */
     POINT_SIZE = 12,
+    COLOUR_AT = 48,
     FLOAT_SIZE = 4,
     NO_NORMAL = -1
 };
@@ -138,6 +139,7 @@ static int read_binary(stl_reader *r) {
                           "%lld facets are counted, but the file has room for %lld; the count is "
                           "wrong",
                           (long long)n, (long long)((size - HEADER_SIZE) / FACET_SIZE));
+    int has_colours = 0;
     status = make_facets(r, n);
     for (int64_t i = 0; i < n && !status; i++) {
         const char *at = data + HEADER_SIZE + i * FACET_SIZE;
@@ -146,7 +148,10 @@ static int read_binary(stl_reader *r) {
                                   3 * i + k, r->error);
         if (!status)
             status = add_facet(r, 0, at - data);
+        has_colours |= at[COLOUR_AT] != 0 || at[COLOUR_AT + 1] != 0;
     }
+    if (!status)
+        status = io_model_note_lost(model, has_colours, "colours of facets", r->error);
     return status ? status : io_model_index_tags(model, 2, model->triangle.entity, n, r->error);
 }
 

@@ -261,6 +261,8 @@ static int read_node_file(io_model *model, int *dim, planish_error *error) {
     }
     if (!status)
         status = read_table(&t, 1 + *dim + t.skipped + has_marker, error);
+    if (!status)
+        status = io_model_note_lost(model, t.skipped > 0, "attributes of nodes", error);
     if (!status && has_marker)
         status = io_model_index_tags(model, 0, model->node_entity, t.n, error);
     return status;
@@ -294,6 +296,10 @@ static int read_ele_file(io_model *model, const io_bytes *file, int dim, planish
         return status;
     cells->n = t.n;
     cells->first_number = t.first;
+    status = io_model_note_lost(model, t.count[1] > 1 || atomic_load(&t.fractional),
+                                "attributes of elements", error);
+    if (status)
+        return status;
     if (atomic_load(&t.fractional)) {
         pl_free(cells->entity);
         cells->entity = NULL;

@@ -70,6 +70,15 @@ static int take_counts(io_cursor *cursor, int64_t count[UCD_N_COUNTS]) {
     return line.at == line.end && n >= UCD_N_COUNTS - 1 ? n : -1;
 }
 
+/** Note the data that the counts say. */
+static int note_data(io_model *model, const int64_t count[UCD_N_COUNTS], planish_error *error) {
+    static const char *const texts[] = {"data of nodes", "data of elements", "data of the model"};
+    int status = PLANISH_OK;
+    for (int i = 2; i < UCD_N_COUNTS && !status; i++)
+        status = io_model_note_lost(model, count[i] > 0, texts[i - 2], error);
+    return status;
+}
+
 /* ---- nodes --------------------------------------------------------------------------------- */
 
 /** Read nodes, each in a line of its own. */
@@ -218,15 +227,18 @@ static int read_text(ucd_reader *r) {
 
 static int ucd_read(io_model *model, planish_error *error) {
     model->node_order = node_orders;
-    if (model->input.size > 0 && model->input.data[0] == 7)
-        return ucd_binary_read(model, error);
+    int64_t count[UCD_N_COUNTS];
+    if (model->input.size > 0 && model->input.data[0] == 7) {
+        const int status = ucd_binary_read(model, count, error);
+        return status ? status : note_data(model, count, error);
+    }
     ucd_reader r = {.model = model,
                     .error = error,
                     .cursor = io_begin_text(model->input.data, model->input.size)};
     io_text_init(&r.text, model);
     const int status = read_text(&r);
     io_text_release(&r.text);
-    return status;
+    return status ? status : note_data(model, r.count, error);
 }
 
 /** Recognise the counts, the first node, and the first cell where it is among the bytes. Files that

@@ -16,17 +16,20 @@
 
 #include "base/status.h"
 
+#include <string.h>
+
 enum { MAGIC = 7, WORD = 4, N_COUNTS = 6, HEAD = 1 + N_COUNTS * WORD, CELL = 4 * WORD };
 
 typedef struct binary_head {
     int swapped;
     int64_t n_nodes, n_cells, n_list;
     int64_t size; /* bytes before the data */
+    int64_t count[N_COUNTS];
 } binary_head;
 
 /** Read the counts in a byte order; return whether they can be those of size bytes. */
 static int read_head(const char *data, int64_t size, int swapped, binary_head *head) {
-    int64_t count[N_COUNTS];
+    int64_t *count = head->count;
     if (size < HEAD || data[0] != MAGIC)
         return 0;
     for (int i = 0; i < N_COUNTS; i++) {
@@ -34,8 +37,11 @@ static int read_head(const char *data, int64_t size, int swapped, binary_head *h
         if (count[i] < 0)
             return 0;
     }
-    *head = (binary_head){swapped, count[0], count[1], count[N_COUNTS - 1],
-                          HEAD + CELL * count[1] + WORD * (count[N_COUNTS - 1] + 3 * count[0])};
+    head->swapped = swapped;
+    head->n_nodes = count[0];
+    head->n_cells = count[1];
+    head->n_list = count[N_COUNTS - 1];
+    head->size = HEAD + CELL * count[1] + WORD * (count[N_COUNTS - 1] + 3 * count[0]);
     return count[0] > 0 && count[1] > 0 && head->n_list >= count[1];
 }
 
@@ -176,7 +182,7 @@ static int read_all_cells(io_model *model, const binary_head *head, planish_erro
     return status;
 }
 
-int ucd_binary_read(io_model *model, planish_error *error) {
+int ucd_binary_read(io_model *model, int64_t count[UCD_N_COUNTS], planish_error *error) {
     binary_head head;
     const io_bytes *input = &model->input;
     model->is_binary = 1;
@@ -191,5 +197,6 @@ int ucd_binary_read(io_model *model, planish_error *error) {
     int status = read_all_nodes(model, &head, error);
     if (!status)
         status = read_all_cells(model, &head, error);
+    memcpy(count, head.count, UCD_N_COUNTS * sizeof *count);
     return status ? status : io_runs_index_tags(model, error);
 }

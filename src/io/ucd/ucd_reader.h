@@ -16,7 +16,7 @@ extern const io_element_type ucd_types[UCD_N_TYPES];
 /** Return whether the bytes begin a binary file. */
 int ucd_binary_recognise(const char *data, int64_t size);
 
-/** Read a binary file. */
-int ucd_binary_read(io_model *model, planish_error *error);
+/** Read a binary file, and its counts. */
+int ucd_binary_read(io_model *model, int64_t count[UCD_N_COUNTS], planish_error *error);
 
 #endif

@@ -61,6 +61,59 @@ void io_view_cell_at(const io_view *view, int64_t index, io_view_cell *cell) {
                                                     : io_model_elements(model)->n + i;
 }
 
+/* ---- regions ------------------------------------------------------------------------------- */
+
+static int compare_numbers(const void *a, const void *b) {
+    const int64_t x = *(const int64_t *)a, y = *(const int64_t *)b;
+    return (x > y) - (x < y);
+}
+
+/** Set the bytes of the entities of cells of a dimension, from 1 (none: 0). Returns whether its regions
+ *  are entities. */
+static int mark_entities(const io_model *model, int dim, uint8_t *mark) {
+    int are_entities = 1;
+    for (int number = IO_FIRST_LIST; number < IO_N_LISTS; number++) {
+        const io_list list = io_model_list(model, number);
+        are_entities &= list.dim != dim || !list.region;
+        for (int64_t i = 0; list.dim == dim && i < list.n; i++)
+            mark[list.entity ? list.entity[i] + 1 : 0] = 1;
+    }
+    return are_entities;
+}
+
+/** Return whether two marked entities have one tag; tag: room for those of all. */
+static int share_tags(const io_model *model, const uint8_t *mark, int64_t *tag) {
+    int64_t n = 0;
+    int shares = 0;
+    for (int32_t e = -1; e < model->n_entities; e++)
+        if (mark[e + 1])
+            tag[n++] = e >= 0 ? model->entity[e].tag : 0;
+    qsort(tag, (size_t)n, sizeof *tag, compare_numbers);
+    for (int64_t i = 1; i < n; i++)
+        shares |= tag[i] == tag[i - 1];
+    return shares;
+}
+
+/** Find the dimensions whose regions are told by entities, but not by their tags. */
+static int look_at_regions(io_view *view, planish_error *error) {
+    const int64_t n = (int64_t)view->model->n_entities + 1;
+    uint8_t *mark = pl_alloc(n, 1);
+    int64_t *tag = pl_alloc(n, sizeof *tag);
+    const int status = mark && tag ? PLANISH_OK : pl_fail_memory(error, "regions");
+    for (int dim = 1; dim <= 3 && !status; dim++) {
+        memset(mark, 0, (size_t)n);
+        if (mark_entities(view->model, dim, mark))
+            view->shares_tags[dim] = (uint8_t)share_tags(view->model, mark, tag);
+    }
+    pl_free(mark);
+    pl_free(tag);
+    return status;
+}
+
+int64_t io_view_distinct_region(const io_view *view, const io_view_cell *cell) {
+    return view->shares_tags[cell->dim] ? (int64_t)cell->entity + 1 : cell->region;
+}
+
 /* ---- cells of a format --------------------------------------------------------------------- */
 
 /* Nodes of the mirror image of a solid: those of its bottom and its top change places, or the bottom
@@ -161,11 +214,6 @@ int64_t io_view_cell_number(const io_view *view, int64_t index, const io_view_ce
     return view->has_numbers[1] ? cell->number : index + 1;
 }
 
-static int compare_numbers(const void *a, const void *b) {
-    const int64_t x = *(const int64_t *)a, y = *(const int64_t *)b;
-    return (x > y) - (x < y);
-}
-
 int io_view_are_numbers(int64_t *number, int64_t n) {
     int is_sorted = 1;
     for (int64_t i = 1; i < n; i++)
@@ -176,6 +224,53 @@ int io_view_are_numbers(int64_t *number, int64_t n) {
         if (number[i] == number[i - 1])
             return 0;
     return n == 0 || (number[0] >= 1 && number[n - 1] <= IO_VIEW_MOST_NUMBER);
+}
+
+int io_view_fill_numbers(int64_t *number, int64_t n, planish_error *error) {
+    int64_t *used = pl_alloc(n, sizeof *used), at = 0, next = 1;
+    if (!used)
+        return pl_fail_memory(error, "numbers of groups");
+    if (n > 0) {
+        memcpy(used, number, (size_t)n * sizeof *used);
+        qsort(used, (size_t)n, sizeof *used, compare_numbers);
+    }
+    for (int64_t i = 0; i < n; i++) {
+        if (number[i] != 0)
+            continue;
+        for (; at < n && used[at] <= next; at++)
+            next += used[at] == next;
+        number[i] = next++;
+    }
+    pl_free(used);
+    return PLANISH_OK;
+}
+
+/** A number, and whose it is. */
+typedef struct old_number {
+    int64_t number, at;
+} old_number;
+
+static int compare_old(const void *a, const void *b) {
+    const old_number *x = a, *y = b;
+    if (x->number != y->number)
+        return x->number < y->number ? -1 : 1;
+    return (x->at > y->at) - (x->at < y->at);
+}
+
+int io_view_distinct_numbers(int64_t *number, int64_t n, int64_t most, planish_error *error) {
+    old_number *old = pl_alloc(n, sizeof *old);
+    if (!old)
+        return pl_fail_memory(error, "numbers of regions");
+    for (int64_t i = 0; i < n; i++)
+        old[i] = (old_number){number[i], i};
+    if (n > 0)
+        qsort(old, (size_t)n, sizeof *old, compare_old);
+    for (int64_t i = 0; i < n; i++)
+        if (old[i].number < 1 || old[i].number > most ||
+            (i > 0 && old[i].number == old[i - 1].number))
+            number[old[i].at] = 0;
+    pl_free(old);
+    return io_view_fill_numbers(number, n, error);
 }
 
 /** Find out whether the file's numbers can be kept. */
@@ -207,7 +302,9 @@ int io_view_begin(const io_model *model, const double *coordinates,
         view->first[kind + 1] = view->first[kind] + io_model_list(model, list_of_kind[kind]).n;
     view->n_cells = view->first[IO_VIEW_KINDS];
     look_at_volumes(view);
-    const int status = look_at_numbers(view, error);
+    int status = look_at_numbers(view, error);
+    if (!status)
+        status = look_at_regions(view, error);
     return status ? status : io_view_groups_begin(view, error);
 }
 
@@ -254,6 +351,20 @@ void io_view_lose_ends(const io_model *model, io_losses *losses) {
         is_cut |= strlen(model->group[i].name) > IO_VIEW_MOST_NAME;
     if (is_cut)
         io_losses_add(losses, "the ends of names of more than %d bytes", IO_VIEW_MOST_NAME);
+}
+
+void io_view_lose_quotes(const io_model *model, int first_dim, io_losses *losses) {
+    int64_t n = 0;
+    for (int64_t i = 0; i < model->n_groups; i++) {
+        const char *c = model->group[i].name;
+        while (*c && *c != '"' && (unsigned char)*c >= ' ')
+            c++;
+        n += model->group[i].dim >= first_dim && *c;
+    }
+    if (n > 0)
+        io_losses_add(losses,
+                      "quotes and control characters (now '_') in the names of %lld group%s",
+                      (long long)n, n > 1 ? "s" : "");
 }
 
 void io_view_lose_references(const io_view *view, io_losses *losses) {

@@ -1,11 +1,13 @@
 /* view: the content of a mesh file that planish understands, for the writers of other formats.
  *
  *   io_view, io_view_begin, io_view_end    the mesh
- *   io_view_cell, io_view_cell_at          its cells, one by one
+ *   io_view_cell, io_view_cell_at          its cells, one by one,
+ *   io_view_distinct_region                and their regions
  *   io_view_fit_cell                       cells as a format has them
  *   io_view_place                          its nodes
  *   io_view_node_number, _cell_number      numbers that a file can have,
  *   io_view_are_numbers                    and whether it can have these
+ *   io_view_fill_numbers, _distinct_...    free numbers
  *   io_view_find_type                      types of elements that a format has
  *   io_view_first_group, _next_group ...   named groups (view_groups.c)
  *   io_view_field                          arrays of numbers of nodes and elements
@@ -53,7 +55,8 @@ typedef struct io_view {
     const planish_convert_options *options; /* its arrays may be NULL */
     int64_t first[IO_VIEW_KINDS + 1]; /* index of the first cell of each kind, and number of all */
     int64_t n_cells;
-    int has_numbers[2]; /* nodes, cells: those of the file are distinct, and from 1 up */
+    int has_numbers[2];     /* nodes, cells: those of the file are distinct, and from 1 up */
+    uint8_t shares_tags[4]; /* by dimension: regions are entities, and two have one tag */
     uint8_t is_mirrored[PLANISH_CELL_PYRAMID14 + 1]; /* by planish_cell_type: most solids of a type
                                                         have a negative volume */
     uint8_t *is_physical; /* [n_groups] entities have the group's tag among their physical ones, not
@@ -85,6 +88,9 @@ typedef struct io_view_cell {
 /** Find cell index, 0 .. n_cells - 1. */
 void io_view_cell_at(const io_view *view, int64_t index, io_view_cell *cell);
 
+/** Return the number of a cell's region; where regions share numbers, that of its entity from 1 (none: 0). */
+int64_t io_view_distinct_region(const io_view *view, const io_view_cell *cell);
+
 /** Find the place of a node, in space. */
 void io_view_place(const io_view *view, int64_t node, double place[3]);
 
@@ -96,6 +102,14 @@ int64_t io_view_cell_number(const io_view *view, int64_t index, const io_view_ce
 /** Return whether numbers [n], which are sorted for that, are distinct and within 1 ..
  *  IO_VIEW_MOST_NUMBER. */
 int io_view_are_numbers(int64_t *number, int64_t n);
+
+/** Replace each 0 among numbers [n] by the smallest positive number that is none of them yet. Error:
+ *  _MEMORY. */
+int io_view_fill_numbers(int64_t *number, int64_t n, planish_error *error);
+
+/** Replace numbers [n] that are not within 1 .. most by free ones; of several that are equal the first
+ *  stays. Error: _MEMORY. */
+int io_view_distinct_numbers(int64_t *number, int64_t n, int64_t most, planish_error *error);
 
 /** Make what finds groups, for io_view_begin, and release it. Error: _MEMORY. */
 int io_view_groups_begin(io_view *view, planish_error *error);
@@ -151,12 +165,14 @@ typedef struct io_losses {
 void io_losses_add(io_losses *losses, const char *format, ...) PL_PRINTF(2, 3);
 
 /** Note data that formats cannot store: names of groups and all but the first number of each element;
- *  the ends of names behind IO_VIEW_MOST_NAME; references of nodes in no named group; these and groups of
+ *  the ends of names behind IO_VIEW_MOST_NAME; what '_' stands for in names of
+ *  groups of a dimension and above; references of nodes in no named group; these and groups of
  *  nodes; where elements have one number: the latter and further groups; where they have one name: the
  *  latter, further groups and ends; numbers of nodes and elements, where they are other ones than their
  *  order; arrays of numbers. */
 void io_view_lose_groups(const io_view *view, io_losses *losses);
 void io_view_lose_ends(const io_model *model, io_losses *losses);
+void io_view_lose_quotes(const io_model *model, int first_dim, io_losses *losses);
 void io_view_lose_references(const io_view *view, io_losses *losses);
 void io_view_lose_nodes(const io_view *view, io_losses *losses);
 void io_view_lose_further(const io_view *view, io_losses *losses);

@@ -114,32 +114,40 @@ static int find_candidates(const io_view *view, const io_view_blocks *blocks, in
     return is_good;
 }
 
-/** Return whether sorted candidates can be properties. */
-static int are_properties(const candidate *all, int64_t n) {
-    int is_good = n == 0 || (all[0].number >= 1 && all[n - 1].number <= IO_VIEW_MOST_NUMBER);
-    for (int64_t i = 1; i < n; i++)
-        is_good &= all[i].number != all[i - 1].number;
-    return is_good;
+/** Give the sets their properties: their numbers, those of sets of solids first, or free ones. */
+static int give_properties(const io_view *view, io_view_blocks *blocks, int of_group,
+                           planish_error *error) {
+    int64_t *number = pl_alloc(blocks->n, sizeof *number), n = 0;
+    if (!number)
+        return pl_fail_memory(error, "blocks of elements");
+    for (int64_t b = 0; b < blocks->n; b++)
+        if (blocks->block[b].begins_set)
+            number[n++] = number_of(view, &blocks->block[b], of_group);
+    const int status = io_view_distinct_numbers(number, n, IO_VIEW_MOST_NUMBER, error);
+    n = 0;
+    for (int64_t b = 0; b < blocks->n && !status; b++) {
+        n += blocks->block[b].begins_set;
+        blocks->block[b].property = (int32_t)number[n - 1];
+    }
+    pl_free(number);
+    return status;
 }
 
 /** Number the sets. */
 static int number_sets(const io_view *view, io_view_blocks *blocks, planish_error *error) {
     candidate *all = pl_alloc(blocks->n, sizeof *all);
-    int64_t n = 0, property = 0;
+    int64_t n = 0;
     int of_group = 1, is_good = 0;
     if (!all)
         return pl_fail_memory(error, "blocks of elements");
     while (!(is_good = find_candidates(view, blocks, of_group, all, &n)) && of_group)
         of_group = 0;
-    const int has_properties = is_good && are_properties(all, n);
     pl_free(all);
     for (int64_t b = 0; b < blocks->n; b++) {
         io_view_block *block = &blocks->block[b];
         block->reference = (int32_t)(is_good ? number_of(view, block, of_group) : block->set);
-        property += block->begins_set;
-        block->property = has_properties ? block->reference : (int32_t)property;
     }
-    return PLANISH_OK;
+    return give_properties(view, blocks, of_group, error);
 }
 
 /* ---- blocks -------------------------------------------------------------------------------- */
@@ -179,16 +187,26 @@ int io_view_loses_tag(const io_view *view, const io_view_block *block, int64_t n
     return is_lost;
 }
 
+int io_view_loses_region(const io_view *view, const io_view_block *block, int64_t number) {
+    const io_model *model = view->model;
+    const io_entity *e = block->entity >= 0 ? &model->entity[block->entity] : NULL;
+    const int is_known = e && !model->groups_by_name && e->n_physical == 0 && e->tag != 0;
+    return is_known && e->tag == block->region && io_model_file_number(model, e->tag) != number;
+}
+
 void io_view_lose_tags(const io_view *view, const io_view_blocks *blocks, int has_properties,
                        int has_names, io_losses *losses) {
-    int is_lost = 0;
+    int is_lost = 0, is_changed = 0;
     for (int64_t b = 0; b < blocks->n; b++) {
         const io_view_block *block = &blocks->block[b];
         const int32_t number = has_properties ? block->property : block->reference;
         is_lost |= io_view_loses_tag(view, block, number, has_names);
+        is_changed |= io_view_loses_region(view, block, number);
     }
     if (is_lost)
         io_losses_add(losses, "numbers of groups");
+    if (is_changed)
+        io_losses_add(losses, "numbers of regions");
 }
 
 void io_view_lose_types(const io_view_type *table, const io_view_blocks *blocks,

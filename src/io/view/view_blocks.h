@@ -2,7 +2,7 @@
  *
  *   io_view_block, io_view_blocks_make, _release   the blocks
  *   io_view_lose_types                             elements that a format does not have
- *   io_view_lose_tags, io_view_loses_tag           numbers of groups that it does not have
+ *   io_view_lose_tags, _loses_tag, _region          numbers that it does not have
  */
 #ifndef PL_IO_VIEW_VIEW_BLOCKS_H
 #define PL_IO_VIEW_VIEW_BLOCKS_H
@@ -20,7 +20,7 @@ typedef struct io_view_block {
         reference; /* number of the set for formats that have one: that of its first group, or of
                           its entity or region, if sets of a dimension differ by these; else set */
     int32_t
-        property; /* the same, but 1 .. IO_VIEW_MOST_NUMBER, and that of no set of another dimension */
+        property; /* the same, or a free number: 1 .. IO_VIEW_MOST_NUMBER, and that of no other set */
     int begins_set; /* it is the first block of its set */
     int64_t n;
     const int64_t *cell; /* [n] indices, ascending */
@@ -43,7 +43,10 @@ void io_view_blocks_release(io_view_blocks *blocks);
 int io_view_loses_tag(const io_view *view, const io_view_block *block, int64_t number,
                       int has_names);
 
-/** Note that for all blocks, which have their references or (has_properties) their properties. */
+/** Return whether a block without groups that has a number is of a region of another one. */
+int io_view_loses_region(const io_view *view, const io_view_block *block, int64_t number);
+
+/** Note both for all blocks, which have their references or (has_properties) their properties. */
 void io_view_lose_tags(const io_view *view, const io_view_blocks *blocks, int has_properties,
                        int has_names, io_losses *losses);
 

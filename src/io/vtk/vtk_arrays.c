@@ -9,6 +9,8 @@
 
 enum { N_OWN_DATA = 10, PYRAMID13_NODES = 13 };
 
+static const char groups_name[] = "group";
+
 /** Find a cell as VTK has it: there is no pyramid with a node in its base. */
 static void cell_at(const io_view *view, int64_t i, io_view_cell *cell) {
     io_view_cell_at(view, i, cell);
@@ -44,21 +46,29 @@ static int64_t node_value(const io_view *view, vtk_out_values values, int64_t no
                                    : io_node_number(view->model, node);
 }
 
-/** Return the whole number of a cell that values says. */
-static int64_t cell_value(const io_view *view, vtk_out_values values, const io_view_cell *cell) {
+/** Return the number of the first group of a cell, or 0. */
+static int32_t group_of(const io_view *view, const vtk_out_array *array, const io_view_cell *cell) {
     const io_entity *entity = cell->entity >= 0 ? &view->model->entity[cell->entity] : NULL;
-    switch (values) {
+    if (entity && array->number)
+        return array->number[cell->entity];
+    return entity && entity->n_physical > 0 ? entity->physical[0] : 0;
+}
+
+/** Return the whole number of a cell that an array has. */
+static int64_t cell_value(const io_view *view, const vtk_out_array *array,
+                          const io_view_cell *cell) {
+    switch (array->values) {
     case VTK_OUT_TYPES:
         return cell->type;
     case VTK_OUT_REGIONS:
-        return cell->region;
+        return io_view_distinct_region(view, cell);
     case VTK_OUT_STATES:
         return cell->element >= 0 ? view->options->cells.state[cell->element]
                                   : PLANISH_CELL_STATE_NONE;
     case VTK_OUT_CURVED:
         return cell->element >= 0 && view->options->cells.is_curved[cell->element];
     case VTK_OUT_GROUPS:
-        return entity && entity->n_physical > 0 ? entity->physical[0] : 0;
+        return group_of(view, array, cell);
     default:
         return cell->number;
     }
@@ -122,7 +132,7 @@ static void put_of_cells(io_writer *writer, const io_view *view, const vtk_out_a
         else if (is_real)
             put(writer, array->type, swapped, cell_measure(view, values, &cell), 0);
         else
-            put(writer, array->type, swapped, 0, cell_value(view, values, &cell));
+            put(writer, array->type, swapped, 0, cell_value(view, array, &cell));
     }
 }
 
@@ -173,7 +183,7 @@ int64_t vtk_array_bytes(const vtk_out_array *array) {
 
 static void add(vtk_out_array *list, int *n, const char *name, vtk_out_values values,
                 vtk_out_type type, int64_t n_values) {
-    list[(*n)++] = (vtk_out_array){name, values, type, n_values, 1, NULL};
+    list[(*n)++] = (vtk_out_array){name, values, type, n_values, 1, NULL, NULL};
 }
 
 /** Add the measures that there are. */
@@ -230,7 +240,8 @@ static void add_fields(const io_view *view, io_losses *losses, vtk_out_arrays *a
                                                        : VTK_OUT_F64,
                                        f->of_elements ? view->n_cells : view->model->n_nodes,
                                        f->width,
-                                       f};
+                                       f,
+                                       NULL};
     }
 }
 
@@ -244,8 +255,22 @@ static void add_cell_data(const io_view *view, vtk_out_arrays *a) {
     for (int32_t i = 0; i < model->n_entities; i++)
         has_groups |= model->entity[i].dim > 0 && model->entity[i].n_physical > 0;
     if (has_groups)
-        add(a->cell_data, &a->n_cell_data, "group", VTK_OUT_GROUPS, VTK_OUT_I32, view->n_cells);
+        add(a->cell_data, &a->n_cell_data, groups_name, VTK_OUT_GROUPS, VTK_OUT_I32, view->n_cells);
     add_numbers(view, 1, a->cell_data, &a->n_cell_data);
+}
+
+/** Note solids that have a negative volume, as most of their type; VTK's wedges do. */
+static void lose_volumes(const io_view *view, io_losses *losses) {
+    int64_t n = 0;
+    io_view_cell cell;
+    for (int64_t i = 0; i < view->n_cells; i++) {
+        io_view_cell_at(view, i, &cell);
+        n += view->is_mirrored[cell.type] && io_cell_type_straight(cell.type) != PLANISH_CELL_WEDGE;
+    }
+    if (n > 0)
+        io_losses_add(losses,
+                      "positive volumes of %lld solids (they keep the order of their nodes)",
+                      (long long)n);
 }
 
 int vtk_arrays_begin(const io_view *view, io_losses *losses, vtk_out_arrays *a,
@@ -261,12 +286,12 @@ int vtk_arrays_begin(const io_view *view, io_losses *losses, vtk_out_arrays *a,
         n_nodes += cell.n_nodes;
     }
     *a = (vtk_out_arrays){
-        .points = {"Points", VTK_OUT_COORDINATES, real, model->n_nodes, 3, NULL},
-        .connectivity = {"connectivity", VTK_OUT_NODES, VTK_OUT_I32, n_nodes, 1, NULL},
-        .offsets = {"offsets", VTK_OUT_ENDS, VTK_OUT_I64, n, 1, NULL},
-        .types = {"types", VTK_OUT_TYPES, VTK_OUT_U8, n, 1, NULL},
-        .wide_types = {"types", VTK_OUT_TYPES, VTK_OUT_I32, n, 1, NULL},
-        .counted = {"cells", VTK_OUT_COUNTED_NODES, VTK_OUT_I32, n_nodes + n, 1, NULL},
+        .points = {"Points", VTK_OUT_COORDINATES, real, model->n_nodes, 3, NULL, NULL},
+        .connectivity = {"connectivity", VTK_OUT_NODES, VTK_OUT_I32, n_nodes, 1, NULL, NULL},
+        .offsets = {"offsets", VTK_OUT_ENDS, VTK_OUT_I64, n, 1, NULL, NULL},
+        .types = {"types", VTK_OUT_TYPES, VTK_OUT_U8, n, 1, NULL, NULL},
+        .wide_types = {"types", VTK_OUT_TYPES, VTK_OUT_I32, n, 1, NULL, NULL},
+        .counted = {"cells", VTK_OUT_COUNTED_NODES, VTK_OUT_I32, n_nodes + n, 1, NULL, NULL},
         .point_data = pl_alloc(N_OWN_DATA + view->n_fields, sizeof *a->point_data),
         .cell_data = pl_alloc(N_OWN_DATA + view->n_fields, sizeof *a->cell_data)};
     if (!a->point_data || !a->cell_data)
@@ -277,7 +302,28 @@ int vtk_arrays_begin(const io_view *view, io_losses *losses, vtk_out_arrays *a,
     add_cell_data(view, a);
     add_fields(view, losses, a);
     io_view_lose_further(view, losses);
+    lose_volumes(view, losses);
     return PLANISH_OK;
+}
+
+/** Return the array called as that of groups, or NULL. */
+static vtk_out_array *find_groups(const vtk_out_arrays *a) {
+    for (int i = 0; i < a->n_cell_data; i++)
+        if (strcmp(a->cell_data[i].name, groups_name) == 0)
+            return &a->cell_data[i];
+    return NULL;
+}
+
+int vtk_arrays_can_have_groups(const vtk_out_arrays *arrays) {
+    const vtk_out_array *found = find_groups(arrays);
+    return !found || found->values == VTK_OUT_GROUPS;
+}
+
+void vtk_arrays_set_groups(const io_view *view, const int32_t *number, vtk_out_arrays *arrays) {
+    if (!find_groups(arrays))
+        add(arrays->cell_data, &arrays->n_cell_data, groups_name, VTK_OUT_GROUPS, VTK_OUT_I32,
+            view->n_cells);
+    find_groups(arrays)->number = number;
 }
 
 void vtk_arrays_end(vtk_out_arrays *arrays) {

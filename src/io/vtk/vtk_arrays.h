@@ -2,6 +2,7 @@
  *
  *   vtk_out_array, vtk_out_arrays        the arrays
  *   vtk_arrays_begin, vtk_arrays_end     those of a view
+ *   vtk_arrays_set_groups                other numbers of groups
  *   vtk_put_array                        write the values of one
  */
 #ifndef PL_IO_VTK_VTK_ARRAYS_H
@@ -47,6 +48,7 @@ typedef struct vtk_out_array {
     int64_t n;                  /* nodes or cells; NODES, COUNTED_NODES: values */
     int width;                  /* numbers of each */
     const io_view_field *field; /* of FIELD */
+    const int32_t *number;      /* of GROUPS: [n_entities] or NULL */
 } vtk_out_array;
 
 /** All arrays of a view. */
@@ -63,6 +65,11 @@ typedef struct vtk_out_arrays {
  *  case. */
 int vtk_arrays_begin(const io_view *view, io_losses *losses, vtk_out_arrays *arrays,
                      planish_error *error);
+/** Return whether there is an array of groups, or can be. */
+int vtk_arrays_can_have_groups(const vtk_out_arrays *arrays);
+/** Let cells have these numbers [n_entities] of groups, which must stay. */
+void vtk_arrays_set_groups(const io_view *view, const int32_t *number, vtk_out_arrays *arrays);
+
 /** Release the lists of arrays. */
 void vtk_arrays_end(vtk_out_arrays *arrays);
 

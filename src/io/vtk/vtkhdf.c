@@ -2,17 +2,20 @@
  *
  * All partitions' points stand one after another in one array, and so do their cells, whose nodes
  * count from the first point of their partition. A point-data array called "fixed" marks nodes, and
- * cell data may tell regions, as in VTK's other files. All other data are not looked at.
+ * cell data may tell regions, as in VTK's other files. All other data are read when somebody asks.
  */
 #ifdef PL_HDF5
 #include "base/memory.h"
 #include "base/status.h"
 #include "io/core/arrays.h"
+#include "io/core/data.h"
 #include "io/core/format.h"
 #include "io/core/records.h"
 #include "io/hdf5/hdf5.h"
 #include "io/vtk/vtk_cells.h"
+#include "io/vtk/vtk_numbers.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #define GRID "/VTKHDF"
@@ -226,6 +229,77 @@ static int read_cell_data(vtkhdf_reader *r) {
     return status;
 }
 
+/** Return the path of point or cell data. */
+static io_hdf5_path path_of_data(io_hdf5 *file, int of_elements, const char *name) {
+    return io_hdf5_path_of(file, "%s/%s/%s", GRID, of_elements ? "CellData" : "PointData", name);
+}
+
+/** Note the place of an array of numbers; others are passed over. */
+static int note_array(vtkhdf_reader *r, int of_elements, const char *name) {
+    const io_hdf5_path path = path_of_data(r->file, of_elements, name);
+    const int64_t n = of_elements ? r->n_cells : r->model->n_nodes;
+    io_hdf5_shape shape;
+    int is_integer;
+    char text[96];
+    if (!of_elements && strcmp(name, "fixed") == 0)
+        return PLANISH_OK;
+    if (!io_hdf5_is_numbers(r->file, path.text, &shape, &is_integer)) {
+        snprintf(text, sizeof text, "the array '%.64s'", name);
+        return io_model_note_lost(r->model, 1, text, r->error);
+    }
+    return io_data_note(r->model,
+                        (io_data){.name = (char *)name, /* it is copied */
+                                  .of_elements = of_elements,
+                                  .width = shape.rank == 2 ? shape.dims[1] : 1,
+                                  .is_integer = is_integer,
+                                  .n = n,
+                                  .n_cells = r->n_cells},
+                        r->error);
+}
+
+static int note_data(vtkhdf_reader *r) {
+    const int has_fields = io_hdf5_kind_of(r->file, GRID "/FieldData") == IO_HDF5_GROUP;
+    int status = PLANISH_OK;
+    for (int of_elements = 0; of_elements < 2 && !status; of_elements++) {
+        const char *group = of_elements ? GRID "/CellData" : GRID "/PointData";
+        io_hdf5_names names = {.n = 0};
+        if (io_hdf5_kind_of(r->file, group) == IO_HDF5_GROUP)
+            status = io_hdf5_list(r->file, group, &names);
+        for (int64_t i = 0; i < names.n && !status; i++)
+            status = note_array(r, of_elements, names.name[i]);
+    }
+    return status ? status : io_model_note_lost(r->model, has_fields, "field data", r->error);
+}
+
+/** Read the values of an array, rows of points or of cells. */
+static int read_rows(io_hdf5 *file, const io_model *model, const io_data *data, double *values) {
+    const io_hdf5_path path = path_of_data(file, data->of_elements, data->name);
+    const int64_t n = data->of_elements ? io_model_n_elements(model) : model->n_nodes;
+    io_hdf5_shape shape;
+    double *all = NULL;
+    int status = io_hdf5_reals_read(file, path.text, &all, &shape);
+    if (!status && shape.n != data->n * data->width)
+        status = io_hdf5_fail(file, path.text, "%lld numbers in place of %lld", (long long)shape.n,
+                              (long long)(data->n * data->width));
+    if (!status && data->of_elements)
+        io_data_pick(model, all, data->n, data->width, values);
+    else if (!status && n > 0)
+        memcpy(values, all, (size_t)(n * data->width) * sizeof *values);
+    if (!status)
+        vtk_order_tensors(values, n, data->width);
+    pl_free(all);
+    return status;
+}
+
+static int vtkhdf_read_data(io_model *model, const io_data *data, double *values,
+                            planish_error *error) {
+    io_hdf5 *file;
+    int status = io_hdf5_open(model, &file, error);
+    if (!status)
+        status = read_rows(file, model, data, values);
+    return io_hdf5_end(file, status);
+}
+
 /* ---- the format ---------------------------------------------------------------------------- */
 
 static int vtkhdf_read(io_model *model, planish_error *error) {
@@ -243,6 +317,8 @@ static int vtkhdf_read(io_model *model, planish_error *error) {
         status = read_fixed(&r);
     if (!status)
         status = read_cell_data(&r);
+    if (!status)
+        status = note_data(&r);
     io_hdf5_integers *const lists[] = {&r.points,       &r.cells,   &r.ids,
                                        &r.connectivity, &r.offsets, &r.types};
     for (size_t i = 0; i < sizeof lists / sizeof *lists; i++)
@@ -261,6 +337,7 @@ const io_format io_format_vtkhdf = {.name = "vtkhdf",
                                     .recognise = vtkhdf_recognise,
                                     .read = vtkhdf_read,
                                     .amend = io_hdf5_amend,
+                                    .read_data = vtkhdf_read_data,
                                     .release = io_hdf5_release};
 
 #endif

@@ -3,6 +3,7 @@
  */
 #include "io/vtk/vtk_arrays.h"
 #include "io/vtk/vtk_write.h"
+#include "io/vtk/vtu_groups.h"
 
 #include "base/memory.h"
 #include "io/core/binary.h"
@@ -56,27 +57,24 @@ static void put_name(io_writer *writer, const char *name) {
 }
 
 /** Put groups as field data called by their names, with tag and dimension, as meshio has them. */
-static void put_groups(markup *m) {
+static void put_groups(markup *m, const vtu_groups *groups) {
     const io_model *model = m->view->model;
     io_writer *writer = &m->writer;
-    int32_t *first;
     if (model->n_groups == 0)
         return;
-    const int status = io_view_find_names(m->view, &first, writer->error);
-    if (status && !writer->status)
-        writer->status = status;
     io_put_text(writer, "<FieldData>\n");
-    for (int32_t i = 0; i < model->n_groups && !writer->status; i++) {
+    for (int32_t i = 0; i < model->n_groups; i++) {
         const io_group *group = &model->group[i];
+        if (groups->one[i] != i)
+            continue;
         io_put_text(writer, "<DataArray type=\"Int32\" Name=\"");
         put_name(writer, group->name);
-        if (first[i] < i) /* arrays of one name would be one */
+        if (groups->first[i] < i) /* arrays of one name would be one */
             io_put_format(writer, " %d:%ld", group->dim, (long)group->tag);
         io_put_format(writer, "\" NumberOfTuples=\"2\" format=\"ascii\">%ld %d</DataArray>\n",
                       (long)group->tag, group->dim);
     }
     io_put_text(writer, "</FieldData>\n");
-    pl_free(first);
 }
 
 static void put_section(markup *m, const char *name, const vtk_out_array *arrays, int n) {
@@ -101,13 +99,13 @@ static void put_values(markup *m, const vtk_out_array *arrays, int n) {
     }
 }
 
-static void put_mesh(markup *m, const vtk_out_arrays *a) {
+static void put_mesh(markup *m, const vtu_groups *groups, const vtk_out_arrays *a) {
     const vtk_out_array cells[] = {a->connectivity, a->offsets, a->types};
     io_put_format(&m->writer,
                   "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
                   "byte_order=\"%s\" header_type=\"UInt64\">\n<UnstructuredGrid>\n",
                   io_machine_is_little() ? "LittleEndian" : "BigEndian");
-    put_groups(m);
+    put_groups(m, groups);
     io_put_format(&m->writer,
                   "<Piece NumberOfPoints=\"%" PRId64 "\" NumberOfCells=\"%" PRId64 "\">\n",
                   m->view->model->n_nodes, m->view->n_cells);
@@ -125,11 +123,19 @@ static void put_mesh(markup *m, const vtk_out_arrays *a) {
 
 int vtu_write(const io_view *view, pl_output *output, io_losses *losses, planish_error *error) {
     vtk_out_arrays a;
+    vtu_groups groups = {.first = NULL};
     markup m = {.view = view};
-    const int status = vtk_arrays_begin(view, losses, &a, error);
-    io_writer_begin(&m.writer, output, error);
+    int status = vtk_arrays_begin(view, losses, &a, error);
     if (!status)
-        put_mesh(&m, &a);
+        status = vtu_groups_make(view, vtk_arrays_can_have_groups(&a), &groups, error);
+    io_writer_begin(&m.writer, output, error);
+    if (!status) {
+        if (groups.has_joined)
+            vtk_arrays_set_groups(view, groups.number, &a);
+        put_mesh(&m, &groups, &a);
+        vtu_groups_lose(view, &groups, losses);
+    }
+    vtu_groups_release(&groups);
     vtk_arrays_end(&a);
     return io_writer_end(&m.writer) ? m.writer.status : status;
 }
