@@ -94,6 +94,9 @@ static void nodes_are_held(void **state) {
     reading_holds(file, NULL, READING_REGIONS, "11110111101111");
     reading_holds(file, "points", READING_REGIONS, "11111111101111");
     reading_holds(file, "3:9", READING_REGIONS, "11110111111111");
+    for (int node = 0; node < N_POINTS; node++) /* the point alone has a group: tip */
+        assert_int_equal(file->model.node_entity[node] >= 0, node == 10);
+    assert_int_equal(reading_tag(file, file->model.node_entity, 10), 3);
     reading_holds(file, "2:6", READING_REGIONS, "11110111101111");
     /* Sliding leaves those of close surfaces (1 2), of a singular edge (2 3). */
     reading_holds(file, NULL, READING_REGIONS | READING_SLIDE, "11100000001001");

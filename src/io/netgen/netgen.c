@@ -163,6 +163,8 @@ static int netgen_read(io_model *model, planish_error *error) {
             status = io_fail_at(model, io_input_end(model), error,
                                 "there are no points (the file may be cut short)");
     }
+    if (!status && model->node_entity)
+        status = io_model_index_tags_but(model, 0, 0, model->node_entity, model->n_nodes, error);
     io_reduce_cell_numbers(&model->triangle);
     io_reduce_cell_numbers(&model->tetrahedron);
     io_text_release(&r.text);

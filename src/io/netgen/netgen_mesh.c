@@ -206,9 +206,7 @@ static int read_held(void *context, io_cursor *cursor, int64_t begin, int64_t en
                      planish_error *error) {
     const netgen_reader *r = context;
     const io_cells *lines = &r->model->line;
-    const netgen_kind kind = r->current->kind;
-    const int of_segment = kind == NETGEN_SINGULAR_SEGMENTS;
-    const uint8_t reason = kind == NETGEN_POINT_ELEMENTS ? IO_HELD_BY_POINT : IO_HELD_REQUIRED;
+    const int of_segment = r->current->kind == NETGEN_SINGULAR_SEGMENTS;
     for (int64_t i = begin; i < end; i++) {
         int64_t number;
         int status = io_take_whole(&r->kind, cursor, i + 1, !of_segment,
@@ -218,7 +216,33 @@ static int read_held(void *context, io_cursor *cursor, int64_t begin, int64_t en
         if (status)
             return status;
         for (int j = 0; j <= of_segment; j++)
-            io_hold_node(r->model, of_segment ? lines->nodes[2 * number + j] : number - 1, reason);
+            io_hold_node(r->model, of_segment ? lines->nodes[2 * number + j] : number - 1,
+                         IO_HELD_REQUIRED);
+    }
+    return PLANISH_OK;
+}
+
+/** Put a node into the group of a point; of several the largest number counts, whichever thread is first. */
+static void group_point(const io_model *model, int64_t node, int32_t group) {
+    int32_t now = __atomic_load_n(&model->node_entity[node], __ATOMIC_RELAXED);
+    while (now < group && !__atomic_compare_exchange_n(&model->node_entity[node], &now, group, 0,
+                                                       __ATOMIC_RELAXED, __ATOMIC_RELAXED))
+        ;
+}
+
+/** Read points: a node, from 1, which is held, and the number of its group; from 1, or it is in none. */
+static int read_points(void *context, io_cursor *cursor, int64_t begin, int64_t end,
+                       planish_error *error) {
+    const netgen_reader *r = context;
+    for (int64_t i = begin; i < end; i++) {
+        int64_t node, group;
+        int status = io_take_whole(&r->kind, cursor, i + 1, 1, r->model->n_nodes, &node, error);
+        if (!status)
+            status = io_take_whole(&r->kind, cursor, i + 1, INT32_MIN, INT32_MAX, &group, error);
+        if (status)
+            return status;
+        io_hold_node(r->model, node - 1, IO_HELD_BY_POINT);
+        group_point(r->model, node - 1, (int32_t)group);
     }
     return PLANISH_OK;
 }
@@ -348,6 +372,16 @@ static int read_element_section(netgen_reader *r, const io_section *s) {
     return PLANISH_OK;
 }
 
+/** Read the section of points, whose groups are entities of nodes then. */
+static int read_point_elements(netgen_reader *r, const io_section *s) {
+    io_model *model = r->model;
+    model->n_lower += s->count;
+    if (!model->node_entity)
+        model->node_entity = pl_alloc_zero(model->n_nodes, sizeof *model->node_entity);
+    return model->node_entity ? read_records(r, s, r->current->words, read_points, r->error)
+                              : pl_fail_memory(r->error, "the groups of points");
+}
+
 int netgen_read_section(netgen_reader *r, const io_section *s) {
     const netgen_keyword *k = r->current = &netgen_keywords[s->keyword];
     r->kind = (io_record_kind){.model = r->model, .what = k->name};
@@ -367,8 +401,7 @@ int netgen_read_section(netgen_reader *r, const io_section *s) {
     case NETGEN_PAIRS:
         return read_records(r, s, 0, read_pairs, r->error);
     case NETGEN_POINT_ELEMENTS:
-        r->model->n_lower += s->count;
-        return read_records(r, s, k->words, read_held, r->error);
+        return read_point_elements(r, s);
     default:
         return read_records(r, s, k->words, read_held, r->error);
     }
