@@ -37,6 +37,7 @@ python3 "$PLANISH_SOURCE/tests/cli/make_mesh.py" 6 0.9 "$work/tangled.mesh" || f
 python3 "$PLANISH_SOURCE/tests/cli/make_mesh.py" 9 0.15 "$work/valid.mesh" || fail "no mesh"
 compare "$sample" parts
 compare "$sample" parts --slide auto
+cp "$work/n.msh" "$work/auto.msh"
 compare "$sample" parts --min-volume-fraction 1e-6 --area-weight 0.2 --objective mean-ratio
 compare "$sample" parts --objective worst
 compare "$work/valid.mesh" parts --report "$work/report.html"
@@ -50,6 +51,16 @@ awk '/^Tetrahedra/ { t = 1 } t && NF == 5 && ++n % 3 == 0 { a = $1; $1 = $2; $2 
 compare "$work/mixed.mesh" parts
 compare "$PLANISH_SOURCE/tests/data/square.msh" parts
 compare "$PLANISH_SOURCE/tests/data/nastran.bdf" alone
+# Curved surfaces: one process lets nodes slide there, and says so.
+compare "$sample" alone --slide curved
+grep -q '"sliding_nodes": *0' "$work/n.json" && fail "nothing slides"
+cmp -s "$work/n.msh" "$work/auto.msh" && fail "bracket.msh has no curved surface"
+compare "$sample" alone --slide curved --surface-tolerance 0.02
+compare "$sample" alone --best
+compare "$sample" parts --best --slide auto
+together 2 "$sample" -o "$work/n.msh" --best 2>"$work/err" >/dev/null
+[ "$(grep -c '^note: .*one process of 2 does it all: --best .*--slide auto' "$work/err")" = 1 ] ||
+    fail "no note of --best: $(cat "$work/err")"
 # Mid-side nodes: one process lets them follow. There is no .h5 of them.
 python3 "$PLANISH_SOURCE/tests/cli/types_mesh.py" second 3 plain "$work/second.vtk" || fail "no mesh with mid-side nodes"
 compare "$work/second.vtk" alone
@@ -144,6 +155,8 @@ for name in valid faces second labels; do # labels says more than the parts unde
     compare "$work/$name.h5" "$([ $name = labels ] && echo parts || echo pieces)" --slide auto
 done
 compare "$work/faces.h5" pieces --slide auto --ignore-regions
+compare "$work/faces.h5" alone --slide curved
+compare "$work/faces.h5" alone --best
 # An element in two regions, and what PETSc would loop or crash on: the first process sees that.
 $python - "$work/faces.h5" "$work" <<'DAMAGE'
 import shutil, sys, h5py

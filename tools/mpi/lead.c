@@ -4,6 +4,7 @@
 #include "mpi/large.h"
 
 #include "commands/commands.h"
+#include "job/curved.h"
 #include "terminal/message.h"
 
 #include "base/status.h"
@@ -326,6 +327,29 @@ static int find_collapsed(const planish_mesh *mesh, planish_error *error) {
     return PLANISH_OK;
 }
 
+/** Let this process do it all, while the others wait. why: they cannot share the mesh. */
+static void work_alone(pl_job *job, const char *why) {
+    pl_crew *crew = crew_of(job);
+    if (crew->n_ranks > 1 && job->arguments->verbosity != PL_QUIET)
+        pl_note(stderr, "%s: one process of %d does it all: %s", job->arguments->input,
+                crew->n_ranks, why);
+    crew->engine = pl_engine_here;
+    crew->engine.can_write = pl_plexfile_is;
+    crew->engine.write = write_mesh;
+    job->traffic = (pl_traffic){.n_processes = crew->n_ranks};
+}
+
+/** Work alone if it is known from the options, or the elements, that processes cannot share the mesh. */
+static void choose(pl_job *job) {
+    if (job->is_surface) /* is refused */
+        return;
+    if (pl_curved_is_asked(job))
+        work_alone(job, job->arguments->curved_if_any
+                            ? "--best lets nodes slide on curved surfaces; with --best --slide "
+                              "auto all processes share the mesh"
+                            : "nodes slide on curved surfaces");
+}
+
 /** Make the plan by all processes, or by this one alone if they cannot share the mesh. */
 static int lead_create(pl_job *job, planish_error *error) {
     pl_crew *crew = crew_of(job);
@@ -340,20 +364,14 @@ static int lead_create(pl_job *job, planish_error *error) {
     }
     if (code != PLANISH_ERROR_PARTS || crew->is_large)
         return code;
-    /* The others wait, and this one does it all. */
-    if (crew->n_ranks > 1 && job->arguments->verbosity != PL_QUIET)
-        pl_note(stderr, "%s: one process of %d does it all: %s", job->arguments->input,
-                crew->n_ranks, error->text);
     destroy_plan(job);
-    crew->engine = pl_engine_here;
-    crew->engine.can_write = pl_plexfile_is;
-    crew->engine.write = write_mesh;
-    job->traffic = (pl_traffic){.n_processes = crew->n_ranks};
+    work_alone(job, error->text);
     return pl_engine_here.plan_create(job, error);
 }
 
 int pl_crew_lead(pl_crew *crew, const pl_arguments *arguments) {
     crew->engine = (pl_engine){.read = pl_large_can(arguments) ? read_mesh : NULL,
+                               .choose = choose,
                                .plan_create = lead_create,
                                .plan_destroy = destroy_plan,
                                .get_free = get_free,
