@@ -51,9 +51,34 @@ awk '/^Tetrahedra/ { t = 1 } t && NF == 5 && ++n % 3 == 0 { a = $1; $1 = $2; $2 
 compare "$work/mixed.mesh" parts
 compare "$PLANISH_SOURCE/tests/data/square.msh" parts
 compare "$PLANISH_SOURCE/tests/data/nastran.bdf" alone
+# Hexahedra: one process keeps their layers as planish does, and says why it is one.
+python3 - "$work/layers.vtk" <<'LAYERS' || fail "no mesh of layers"
+import itertools, sys
+heights = [0, 0.01, 0.02, 0.03, 0.3, 0.7, 1]
+nodes = list(itertools.product(range(7), repeat=3))
+number = {at: i for i, at in enumerate(nodes)}
+bottom = [(0, 0), (1, 0), (1, 1), (0, 1)]
+cells = [[number[i + a, j + b, k + c] for c in (0, 1) for a, b in bottom]
+         for i, j, k in itertools.product(range(6), repeat=3)]
+with open(sys.argv[1], "w") as file:
+    print("# vtk DataFile Version 3.0\nlayers\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 343 double", file=file)
+    for i, j, k in nodes:
+        shift = 0.01 * ((7 * i + 3 * j + k) % 5 - 2) * (0 < min(i, j) and max(i, j) < 6)
+        print(i / 6 + shift, j / 6 - shift, heights[k], file=file)
+    print("CELLS 216", 9 * 216, file=file)
+    for cell in cells:
+        print(8, *cell, file=file)
+    print("CELL_TYPES 216\n", "12 " * 216, file=file)
+LAYERS
+compare "$work/layers.vtk" alone
+grep -q '"kept_layer_elements":[[:space:]]*[1-9]' "$work/n.json" || fail "no layers are kept"
+compare "$work/layers.vtk" alone --slide auto --layers hold
+together 2 "$work/layers.vtk" -o "$work/n.vtk" 2>"$work/err" >/dev/null
+grep -q "one process of 2 does it all: its elements are not all straight simplices" "$work/err" ||
+    fail "hexahedra: $(cat "$work/err")"
 # Curved surfaces: one process lets nodes slide there, and says so.
 compare "$sample" alone --slide curved
-grep -q '"sliding_nodes": *0' "$work/n.json" && fail "nothing slides"
+grep -q '"sliding_nodes":[[:space:]]*0' "$work/n.json" && fail "nothing slides"
 cmp -s "$work/n.msh" "$work/auto.msh" && fail "bracket.msh has no curved surface"
 compare "$sample" alone --slide curved --surface-tolerance 0.02
 compare "$sample" alone --best

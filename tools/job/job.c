@@ -336,8 +336,7 @@ static const char *not_kept_with(const pl_job *job) {
            : arguments->worst                                    ? "--objective worst"
            : arguments->objective_given && objective != PLANISH_OBJECTIVE_MEAN_RATIO
                ? "--objective edge-ratio"
-           : job->engine != &pl_engine_here ? "several processes"
-                                            : NULL;
+               : NULL;
 }
 
 /** Whether an element has a type whose layers are kept by default. */

@@ -343,7 +343,9 @@ static void work_alone(pl_job *job, const char *why) {
 static void choose(pl_job *job) {
     if (job->is_surface) /* is refused */
         return;
-    if (pl_curved_is_asked(job))
+    if (job->mesh.cells)
+        work_alone(job, "its elements are not all straight simplices");
+    else if (pl_curved_is_asked(job))
         work_alone(job, job->arguments->curved_if_any
                             ? "--best lets nodes slide on curved surfaces; with --best --slide "
                               "auto all processes share the mesh"
@@ -355,9 +357,7 @@ static int lead_create(pl_job *job, planish_error *error) {
     pl_crew *crew = crew_of(job);
     if (find_collapsed(&job->mesh, error))
         return error->code;
-    int code = job->mesh.cells
-                   ? pl_fail(error, PLANISH_ERROR_PARTS, "its elements have mid-side nodes")
-                   : create_plan(job, error);
+    int code = create_plan(job, error);
     if (!code) {
         planish_plan_get_info(crew->plan, &job->plan_info);
         code = check_periodic(job, error);
