@@ -257,6 +257,18 @@ static int take_targets(const drawing *d, pl_job *job, pl_arguments *arguments, 
     return status;
 }
 
+/** Measure elements of job as those of a run with sizes: straight simplices, too, by aspect ratios. Returns 0, or
+ *  an exit status after a message. */
+static int measure_as_cells(pl_job *job) {
+    planish_error error;
+    if (planish_file_cells(job->file, &job->like.cells, &error))
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    job->mesh.elements = NULL;
+    job->mesh.cells = &job->like.cells;
+    job->has_types = 1;
+    return 0;
+}
+
 /** Draw the state of job, which has the mesh. Returns 0, or an exit status after a message. */
 static int draw_job(drawing *d, const wanted *w, pl_job *job, pl_arguments *arguments) {
     char path[PATH_MAX];
@@ -268,6 +280,8 @@ static int draw_job(drawing *d, const wanted *w, pl_job *job, pl_arguments *argu
     }
     if (d->figures->like[0] || d->figures->of_layers)
         status = take_targets(d, job, arguments, path, &is_taken);
+    else if (d->figures->of_sizes)
+        status = measure_as_cells(job);
     if (!status && !is_taken)
         lack(d, w, "is drawn only beside its targets, which have changed or are gone");
     if (status || !is_taken)
