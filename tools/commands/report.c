@@ -269,6 +269,12 @@ static int measure_as_cells(pl_job *job) {
     return 0;
 }
 
+/** Whether the mesh before smoothing was fitted to another surface (--onto). */
+static int is_fitted(const cJSON *result) {
+    const cJSON *surface = cJSON_GetObjectItemCaseSensitive(result, "surface");
+    return pl_figure_text(surface, "onto")[0] != '\0';
+}
+
 /** Draw the state of job, which has the mesh. Returns 0, or an exit status after a message. */
 static int draw_job(drawing *d, const wanted *w, pl_job *job, pl_arguments *arguments) {
     char path[PATH_MAX];
@@ -294,7 +300,8 @@ static int draw_job(drawing *d, const wanted *w, pl_job *job, pl_arguments *argu
         lack(d, w, error.text);
         return 0;
     }
-    if (!d->picture || job->is_surface) /* which is measured by its shape */
+    if ((!d->picture && !is_fitted(d->figures->result)) ||
+        job->is_surface) /* which is measured by its shape */
         find_features(d, job, arguments);
     if (job->is_surface && !job->curved.shape) {
         lack(d, w, "is drawn only beside the surface it comes from, which has changed or is gone");
@@ -364,11 +371,16 @@ static int draw(drawing *d) {
     const wanted input = {is_one ? "mesh" : "before", pl_figure_text(result, "input"),
                           format[0] ? format : NULL,
                           pl_figure_text(result, is_one ? "checksum" : "input_checksum")};
+    const wanted fitted = {"before", "", NULL, ""};
     const wanted output = {"after", pl_figure_text(result, "output"), NULL,
                            pl_figure_text(result, "checksum")};
     if (!pl_page_can_draw())
         return 0;
-    const int status = draw_state(d, &input);
+    int status = 0;
+    if (is_fitted(result))
+        lack(d, &fitted, "it was fitted to the other surface, and is in no file");
+    else
+        status = draw_state(d, &input);
     return status || is_one ? status : draw_state(d, &output);
 }
 
