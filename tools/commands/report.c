@@ -7,6 +7,7 @@
 #include "commands/commands.h"
 #include "job/cells.h"
 #include "job/curved.h"
+#include "job/moved.h"
 #include "terminal/message.h"
 #include "job/output.h"
 #include "report/page.h"
@@ -316,6 +317,29 @@ static int draw_job(drawing *d, const wanted *w, pl_job *job, pl_arguments *argu
     return status;
 }
 
+/** Bound the places where nodes of job are in the second mesh of a comparison, if its file still has them.
+ *  Returns 0, or an exit status after a message. */
+static int bound_compared(const drawing *d, pl_job *job) {
+    const cJSON *result = d->figures->result;
+    const planish_open_options how = {
+        .threads = job->options.threads, .isolated = 1, .plane_tolerance = 1e-3};
+    char path[PATH_MAX], checksum[17];
+    int status = 0;
+    for (int i = 0; i < N_PLACES && !status && !job->goal.is_known; i++) {
+        planish_file *file = NULL;
+        planish_error ignored;
+        if (!find_place(d, pl_figure_text(result, "output"), i, path, sizeof path) ||
+            planish_file_open_with(path, &how, &file, &ignored))
+            continue;
+        snprintf(checksum, sizeof checksum, "%016" PRIx64, pl_moved_checksum(file));
+        if (planish_file_mesh(file).dim == job->mesh.dim &&
+            strcmp(checksum, pl_figure_text(result, "checksum")) == 0)
+            status = pl_moved_bound(job, file);
+        planish_file_close(file);
+    }
+    return status;
+}
+
 /** Draw the state from the file at path if it has the mesh; *why is set to why not, or to NULL.
  *  Returns 0, or an exit status after a message. */
 static int try_place(drawing *d, const wanted *w, const char *path, const char **why) {
@@ -341,7 +365,9 @@ static int try_place(drawing *d, const wanted *w, const char *path, const char *
         job.engine = &pl_engine_of_surface;
     snprintf(checksum, sizeof checksum, "%016" PRIx64, pl_job_checksum(&job));
     *why = strcmp(checksum, w->checksum) == 0 ? NULL : "has different coordinates now";
-    if (!*why && job.mesh.n_elements > 0)
+    if (!*why && d->figures->is_compared && !d->picture)
+        status = bound_compared(d, &job);
+    if (!status && !*why && job.mesh.n_elements > 0)
         status = draw_job(d, w, &job, &arguments);
     pl_job_close(&job);
     pl_signals_set_input(NULL);
