@@ -71,6 +71,8 @@ import json
 import re
 states = [json.loads(re.search(r'id="picture-data">\n(.*?)\n</script>', open(name).read(), re.S)[1])["states"]
           for name in ("page.html", "later.html")]
+high = json.loads(re.search(r'id="picture-data">\n(.*?)\n</script>', open("page.html").read(), re.S)[1])["high"]
+assert high == [1, 1, 1], high  # of the surface that nodes may still reach
 assert [s["name"] for s in states[0]] == ["before", "after"], states[0]
 assert [s["name"] for s in states[1]] == ["after"], [s["name"] for s in states[1]]
 assert states[0][1]["codes" if "codes" in states[0][1] else "inside_codes"] == states[1][0]["inside_codes"]
