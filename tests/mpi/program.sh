@@ -246,10 +246,12 @@ on_full_disk() {
 }
 mkdir "$work/full"
 if unshare -rm mount -t tmpfs none "$work/full" 2>/dev/null; then
-    on_full_disk "$work/valid.h5" -o "$work/full/n.h5" -q 2>"$work/err"
-    status=$?
-    [ $status = 2 ] && [ "$(grep -c '^planish: .*n.h5: cannot be written: No space' "$work/err")" = 1 ] ||
-        fail "a full disk, with .h5: $status $(cat "$work/err")"
+    for file in valid.h5 valid.mesh; do
+        on_full_disk "$work/$file" -o "$work/full/n.h5" -q 2>"$work/err"
+        status=$?
+        [ $status = 2 ] && [ "$(grep -c '^planish: .*n.h5: cannot be written: No space' "$work/err")" = 1 ] ||
+            fail "a full disk, with .h5 of $file: $status $(cat "$work/err")"
+    done
 else
     echo "not tried: a full disk (mount)"
 fi
