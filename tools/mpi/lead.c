@@ -9,6 +9,7 @@
 
 #include "base/status.h"
 
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -369,6 +370,13 @@ static int lead_create(pl_job *job, planish_error *error) {
     return pl_engine_here.plan_create(job, error);
 }
 
+/** Ignore signals once all is told: mpirun ends this process when another one has ended with an error. */
+static void ignore_signals(void) {
+    static const int signals[] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE};
+    for (size_t i = 0; i < sizeof signals / sizeof *signals; i++)
+        signal(signals[i], SIG_IGN);
+}
+
 int pl_crew_lead(pl_crew *crew, const pl_arguments *arguments) {
     crew->engine = (pl_engine){.read = pl_large_can(arguments) ? read_mesh : NULL,
                                .choose = choose,
@@ -382,6 +390,7 @@ int pl_crew_lead(pl_crew *crew, const pl_arguments *arguments) {
                                .can_write = pl_plexfile_is,
                                .write = write_mesh};
     int status = pl_smooth_by(arguments, &crew->engine);
+    ignore_signals();
     pl_crew_tell(crew, END);
     MPI_Bcast(&status, 1, MPI_INT, 0, crew->comm);
     return status;
