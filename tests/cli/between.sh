@@ -33,6 +33,37 @@ grep -q "<h2>The mesh</h2>" page.html || fail "no page"
 expect_status 0 "$program" compare before.msh before.msh
 grep -q "^0 of 2153 nodes differ" out || fail "the same file: $(tail -n 1 out)"
 
+# A second mesh that is larger than the first is not cut off in the picture.
+python3 - <<'END'
+for size, name in (1, "base"), (1.5, "large"):
+    places = [(size * x, size * y, size * z) for z in (0, 1, 2) for y in (0, 1, 2) for x in (0, 1, 2)]
+    corners = [a + 3 * b + 9 * c for c in (0, 1) for b in (0, 1) for a in (0, 1)]
+    with open(name + ".vtk", "w") as file:
+        print("# vtk DataFile Version 3.0\nbox\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 27 double", file=file)
+        for place in places:
+            print(*place, file=file)
+        print("CELLS 8 72", file=file)
+        for at in corners:
+            print(8, *(at + k for k in (0, 1, 4, 3, 9, 10, 13, 12)), file=file)
+        print("CELL_TYPES 8\n12 12 12 12 12 12 12 12", file=file)
+END
+expect_status 0 "$program" compare base.vtk large.vtk --json report.json --report page.html -q
+python3 - <<'END' || fail "the picture has all of both meshes"
+import base64
+import json
+import re
+import struct
+picture = json.loads(re.search(r'id="picture-data">\n(.*?)\n</script>', open("page.html").read(), re.S)[1])
+assert picture["low"] == [0, 0, 0] and picture["high"] == [3, 3, 3], picture["high"]
+highest = []
+for state in picture["states"]:
+    points = base64.b64decode(state["points"])
+    highest.append(max(struct.unpack(f"<{len(points) // 2}H", points)))
+assert highest == [43690, 65535], highest
+END
+expect_status 0 "$program" report report.json -o again.html
+cmp page.html again.html || fail "the page of meshes of two sizes"
+
 # In single precision, and in a tilted plane, where each file has a frame of its own, nodes that nobody has
 # moved are not elsewhere; the page is drawn again from its JSON.
 for plane in xy tilt; do

@@ -63,6 +63,20 @@ for text in "fitted to fine.mesh before smoothing" "152 lay off that surface" "n
     grep -qF "$text" text || { fail "the table says '$text'"; cat out; }
 done
 grep -q "other surface" page.html && grep -q "fine.mesh" page.html || fail "the page names the other surface"
+expect_status 0 "$program" report report.json -o later.html
+grep -q "The mesh before is not drawn: it was fitted to the other surface, and is in no file" err &&
+    grep -q "The mesh before is not drawn: it was fitted" later.html || { fail "a fitted mesh is in no file"; cat err; }
+python3 - <<'END' || fail "the later page draws the mesh after, as the page of the run does, and no other"
+import json
+import re
+states = [json.loads(re.search(r'id="picture-data">\n(.*?)\n</script>', open(name).read(), re.S)[1])["states"]
+          for name in ("page.html", "later.html")]
+high = json.loads(re.search(r'id="picture-data">\n(.*?)\n</script>', open("page.html").read(), re.S)[1])["high"]
+assert high == [1, 1, 1], high  # of the surface that nodes may still reach
+assert [s["name"] for s in states[0]] == ["before", "after"], states[0]
+assert [s["name"] for s in states[1]] == ["after"], [s["name"] for s in states[1]]
+assert states[0][1]["codes" if "codes" in states[0][1] else "inside_codes"] == states[1][0]["inside_codes"]
+END
 expect_json 'r["surface"]["onto"] == "fine.mesh" and r["surface"]["off_before"] == 152 and r["surface"]["off"] == 0'
 expect_json '0.03 < r["surface"]["farthest_before"] < 0.05 and r["surface"]["farthest"] == 0'
 expect_json '0 < r["surface"]["distance_in_edges"] < 0.2 and r["surface"]["distance_back"] < 0.07'

@@ -302,4 +302,24 @@ if [ -w /dev/full ]; then
     expect_status 1 "$program" smooth tangled.mesh -o x.mesh --report /dev/full -q
     expect_one_line
 fi
+# Of elements of any type the page says that the picture has no mid-side nodes.
+python3 - <<'END'
+corners = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+edges = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
+mids = [tuple((a + b) / 2 for a, b in zip(corners[i], corners[j])) for i, j in edges]
+for n, kind in (8, 12), (20, 25):
+    with open(f"hex{n}.vtk", "w") as file:
+        print("# vtk DataFile Version 3.0\nhex\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS", n, "double", file=file)
+        for place in (corners + mids)[:n]:
+            print(*place, file=file)
+        print("CELLS 1", n + 1, file=file)
+        print(n, *range(n), file=file)
+        print("CELL_TYPES 1", kind, sep="\n", file=file)
+END
+expect_status 0 "$program" quality hex20.vtk --report mids.html -q
+grep -q "The picture has no mid-side nodes" mids.html || fail "no word of mid-side nodes of hexahedra"
+grep -q "1 element with mid-side nodes" mids.html || fail "the summary has no word of mid-side nodes of hexahedra"
+expect_status 0 "$program" quality hex8.vtk --report straight.html -q
+! grep -q "mid-side nodes" straight.html || fail "mid-side nodes of straight elements"
+
 finish

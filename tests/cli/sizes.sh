@@ -181,6 +181,22 @@ expect_status 0 "$program" report report.json -o later.html
 cmp -s page.html later.html || fail "the page of a result is that of its run"
 grep -qF 'should have the sizes in <code>h</code>' page.html || fail "the page says the sizes"
 
+# as_later COMMAND ARGUMENT...: the page of a result is that of its run.
+as_later() {
+    expect_status 0 "$program" "$@" --json report.json --report page.html -q
+    expect_status 0 "$program" report report.json -o later.html
+    cmp -s page.html later.html || fail "$*: the page of the result is that of its run"
+}
+for kind in quads triangles hexes tets; do
+    as_later smooth $kind.vtk --size h -o a.vtk
+    as_later smooth $kind.vtk --keep-sizes --slide auto -o a.vtk
+    as_later smooth $kind.mesh --size-from $kind.sol -o a.mesh
+    as_later smooth $kind.vtk --like $kind.vtk -o a.vtk
+    as_later smooth $kind.vtk --layers keep -o a.vtk
+    as_later quality $kind.vtk --size h
+    as_later quality $kind.vtk --like a.vtk
+done
+
 # ---- what does not fit
 
 expect_status 64 "$program" smooth quads.vtk --size none -o wrong.vtk

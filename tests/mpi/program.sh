@@ -37,6 +37,7 @@ python3 "$PLANISH_SOURCE/tests/cli/make_mesh.py" 6 0.9 "$work/tangled.mesh" || f
 python3 "$PLANISH_SOURCE/tests/cli/make_mesh.py" 9 0.15 "$work/valid.mesh" || fail "no mesh"
 compare "$sample" parts
 compare "$sample" parts --slide auto
+cp "$work/n.msh" "$work/auto.msh"
 compare "$sample" parts --min-volume-fraction 1e-6 --area-weight 0.2 --objective mean-ratio
 compare "$sample" parts --objective worst
 compare "$work/valid.mesh" parts --report "$work/report.html"
@@ -50,6 +51,41 @@ awk '/^Tetrahedra/ { t = 1 } t && NF == 5 && ++n % 3 == 0 { a = $1; $1 = $2; $2 
 compare "$work/mixed.mesh" parts
 compare "$PLANISH_SOURCE/tests/data/square.msh" parts
 compare "$PLANISH_SOURCE/tests/data/nastran.bdf" alone
+# Hexahedra: one process keeps their layers as planish does, and says why it is one.
+python3 - "$work/layers.vtk" <<'LAYERS' || fail "no mesh of layers"
+import itertools, sys
+heights = [0, 0.01, 0.02, 0.03, 0.3, 0.7, 1]
+nodes = list(itertools.product(range(7), repeat=3))
+number = {at: i for i, at in enumerate(nodes)}
+bottom = [(0, 0), (1, 0), (1, 1), (0, 1)]
+cells = [[number[i + a, j + b, k + c] for c in (0, 1) for a, b in bottom]
+         for i, j, k in itertools.product(range(6), repeat=3)]
+with open(sys.argv[1], "w") as file:
+    print("# vtk DataFile Version 3.0\nlayers\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 343 double", file=file)
+    for i, j, k in nodes:
+        shift = 0.01 * ((7 * i + 3 * j + k) % 5 - 2) * (0 < min(i, j) and max(i, j) < 6)
+        print(i / 6 + shift, j / 6 - shift, heights[k], file=file)
+    print("CELLS 216", 9 * 216, file=file)
+    for cell in cells:
+        print(8, *cell, file=file)
+    print("CELL_TYPES 216\n", "12 " * 216, file=file)
+LAYERS
+compare "$work/layers.vtk" alone
+grep -q '"kept_layer_elements":[[:space:]]*[1-9]' "$work/n.json" || fail "no layers are kept"
+compare "$work/layers.vtk" alone --slide auto --layers hold
+together 2 "$work/layers.vtk" -o "$work/n.vtk" 2>"$work/err" >/dev/null
+grep -q "one process of 2 does it all: its elements are not all straight simplices" "$work/err" ||
+    fail "hexahedra: $(cat "$work/err")"
+# Curved surfaces: one process lets nodes slide there, and says so.
+compare "$sample" alone --slide curved
+grep -q '"sliding_nodes":[[:space:]]*0' "$work/n.json" && fail "nothing slides"
+cmp -s "$work/n.msh" "$work/auto.msh" && fail "bracket.msh has no curved surface"
+compare "$sample" alone --slide curved --surface-tolerance 0.02
+compare "$sample" alone --best
+compare "$sample" parts --best --slide auto
+together 2 "$sample" -o "$work/n.msh" --best 2>"$work/err" >/dev/null
+[ "$(grep -c '^note: .*one process of 2 does it all: --best .*--slide auto' "$work/err")" = 1 ] ||
+    fail "no note of --best: $(cat "$work/err")"
 # Mid-side nodes: one process lets them follow. There is no .h5 of them.
 python3 "$PLANISH_SOURCE/tests/cli/types_mesh.py" second 3 plain "$work/second.vtk" || fail "no mesh with mid-side nodes"
 compare "$work/second.vtk" alone
@@ -144,6 +180,8 @@ for name in valid faces second labels; do # labels says more than the parts unde
     compare "$work/$name.h5" "$([ $name = labels ] && echo parts || echo pieces)" --slide auto
 done
 compare "$work/faces.h5" pieces --slide auto --ignore-regions
+compare "$work/faces.h5" alone --slide curved
+compare "$work/faces.h5" alone --best
 # An element in two regions, and what PETSc would loop or crash on: the first process sees that.
 $python - "$work/faces.h5" "$work" <<'DAMAGE'
 import shutil, sys, h5py
@@ -208,10 +246,12 @@ on_full_disk() {
 }
 mkdir "$work/full"
 if unshare -rm mount -t tmpfs none "$work/full" 2>/dev/null; then
-    on_full_disk "$work/valid.h5" -o "$work/full/n.h5" -q 2>"$work/err"
-    status=$?
-    [ $status = 2 ] && [ "$(grep -c '^planish: .*n.h5: cannot be written: No space' "$work/err")" = 1 ] ||
-        fail "a full disk, with .h5: $status $(cat "$work/err")"
+    for file in valid.h5 valid.mesh; do
+        on_full_disk "$work/$file" -o "$work/full/n.h5" -q 2>"$work/err"
+        status=$?
+        [ $status = 2 ] && [ "$(grep -c '^planish: .*n.h5: cannot be written: No space' "$work/err")" = 1 ] ||
+            fail "a full disk, with .h5 of $file: $status $(cat "$work/err")"
+    done
 else
     echo "not tried: a full disk (mount)"
 fi

@@ -7,6 +7,7 @@
 #include "commands/commands.h"
 #include "job/cells.h"
 #include "job/curved.h"
+#include "job/moved.h"
 #include "terminal/message.h"
 #include "job/output.h"
 #include "report/page.h"
@@ -257,6 +258,24 @@ static int take_targets(const drawing *d, pl_job *job, pl_arguments *arguments, 
     return status;
 }
 
+/** Measure elements of job as those of a run with sizes: straight simplices, too, by aspect ratios. Returns 0, or
+ *  an exit status after a message. */
+static int measure_as_cells(pl_job *job) {
+    planish_error error;
+    if (planish_file_cells(job->file, &job->like.cells, &error))
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    job->mesh.elements = NULL;
+    job->mesh.cells = &job->like.cells;
+    job->has_types = 1;
+    return 0;
+}
+
+/** Whether the mesh before smoothing was fitted to another surface (--onto). */
+static int is_fitted(const cJSON *result) {
+    const cJSON *surface = cJSON_GetObjectItemCaseSensitive(result, "surface");
+    return pl_figure_text(surface, "onto")[0] != '\0';
+}
+
 /** Draw the state of job, which has the mesh. Returns 0, or an exit status after a message. */
 static int draw_job(drawing *d, const wanted *w, pl_job *job, pl_arguments *arguments) {
     char path[PATH_MAX];
@@ -268,6 +287,8 @@ static int draw_job(drawing *d, const wanted *w, pl_job *job, pl_arguments *argu
     }
     if (d->figures->like[0] || d->figures->of_layers)
         status = take_targets(d, job, arguments, path, &is_taken);
+    else if (d->figures->of_sizes)
+        status = measure_as_cells(job);
     if (!status && !is_taken)
         lack(d, w, "is drawn only beside its targets, which have changed or are gone");
     if (status || !is_taken)
@@ -280,7 +301,8 @@ static int draw_job(drawing *d, const wanted *w, pl_job *job, pl_arguments *argu
         lack(d, w, error.text);
         return 0;
     }
-    if (!d->picture || job->is_surface) /* which is measured by its shape */
+    if ((!d->picture && !is_fitted(d->figures->result)) ||
+        job->is_surface) /* which is measured by its shape */
         find_features(d, job, arguments);
     if (job->is_surface && !job->curved.shape) {
         lack(d, w, "is drawn only beside the surface it comes from, which has changed or is gone");
@@ -292,6 +314,29 @@ static int draw_job(drawing *d, const wanted *w, pl_job *job, pl_arguments *argu
         lack(d, w, "has different elements");
     else if (!status)
         status = pl_picture_take(d->picture, job, w->name);
+    return status;
+}
+
+/** Bound the places where nodes of job are in the second mesh of a comparison, if its file still has them.
+ *  Returns 0, or an exit status after a message. */
+static int bound_compared(const drawing *d, pl_job *job) {
+    const cJSON *result = d->figures->result;
+    const planish_open_options how = {
+        .threads = job->options.threads, .isolated = 1, .plane_tolerance = 1e-3};
+    char path[PATH_MAX], checksum[17];
+    int status = 0;
+    for (int i = 0; i < N_PLACES && !status && !job->goal.is_known; i++) {
+        planish_file *file = NULL;
+        planish_error ignored;
+        if (!find_place(d, pl_figure_text(result, "output"), i, path, sizeof path) ||
+            planish_file_open_with(path, &how, &file, &ignored))
+            continue;
+        snprintf(checksum, sizeof checksum, "%016" PRIx64, pl_moved_checksum(file));
+        if (planish_file_mesh(file).dim == job->mesh.dim &&
+            strcmp(checksum, pl_figure_text(result, "checksum")) == 0)
+            status = pl_moved_bound(job, file);
+        planish_file_close(file);
+    }
     return status;
 }
 
@@ -320,7 +365,9 @@ static int try_place(drawing *d, const wanted *w, const char *path, const char *
         job.engine = &pl_engine_of_surface;
     snprintf(checksum, sizeof checksum, "%016" PRIx64, pl_job_checksum(&job));
     *why = strcmp(checksum, w->checksum) == 0 ? NULL : "has different coordinates now";
-    if (!*why && job.mesh.n_elements > 0)
+    if (!*why && d->figures->is_compared && !d->picture)
+        status = bound_compared(d, &job);
+    if (!status && !*why && job.mesh.n_elements > 0)
         status = draw_job(d, w, &job, &arguments);
     pl_job_close(&job);
     pl_signals_set_input(NULL);
@@ -350,11 +397,16 @@ static int draw(drawing *d) {
     const wanted input = {is_one ? "mesh" : "before", pl_figure_text(result, "input"),
                           format[0] ? format : NULL,
                           pl_figure_text(result, is_one ? "checksum" : "input_checksum")};
+    const wanted fitted = {"before", "", NULL, ""};
     const wanted output = {"after", pl_figure_text(result, "output"), NULL,
                            pl_figure_text(result, "checksum")};
     if (!pl_page_can_draw())
         return 0;
-    const int status = draw_state(d, &input);
+    int status = 0;
+    if (is_fitted(result))
+        lack(d, &fitted, "it was fitted to the other surface, and is in no file");
+    else
+        status = draw_state(d, &input);
     return status || is_one ? status : draw_state(d, &output);
 }
 

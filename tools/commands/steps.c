@@ -361,6 +361,8 @@ int pl_steps_smooth(pl_job *job, pl_result *result, pl_progress *progress) {
 int pl_steps_compare(pl_job *job, const planish_file *after, pl_result *result,
                      pl_progress *progress) {
     int status;
+    if (job->arguments->report && (status = pl_moved_bound(job, after)))
+        return status;
     if ((status = prepare(job, result, progress)))
         return status;
     if ((status = pl_moved_take(job, after, &result->smooth)))

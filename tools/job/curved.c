@@ -268,9 +268,6 @@ void pl_surface_state_free(pl_surface_state *state) {
 /* ---- notes -------------------------------------------------------------------------------------------- */
 
 void pl_curved_note_held(FILE *stream, const pl_job *job, int64_t n_curved, int64_t n_inverted) {
-    if (job->arguments->slide_curved && !job->file)
-        pl_note(stream, "nodes of curved surfaces do not move, because several processes share the "
-                        "mesh; planish in one process lets them slide");
     if (!job->curved.shape)
         return;
     if (job->mesh.n_periodic > 0)

@@ -28,6 +28,8 @@ typedef struct pl_engine {
     /* Read the mesh, of which the program then has no copy: job->file stays NULL, job->mesh has no
      * arrays. NULL: the job reads the file by planish_io. */
     int (*read)(struct pl_job *job, planish_error *error);
+    /* Choose who works on the mesh, which the job has read; NULL: there is no choice. */
+    void (*choose)(struct pl_job *job);
     int (*plan_create)(struct pl_job *job, planish_error *error); /* and job->plan_info */
     void (*plan_destroy)(struct pl_job *job);
     int (*get_free)(const struct pl_job *job, uint8_t *is_free, planish_error *error);

@@ -336,8 +336,7 @@ static const char *not_kept_with(const pl_job *job) {
            : arguments->worst                                    ? "--objective worst"
            : arguments->objective_given && objective != PLANISH_OBJECTIVE_MEAN_RATIO
                ? "--objective edge-ratio"
-           : job->engine != &pl_engine_here ? "several processes"
-                                            : NULL;
+               : NULL;
 }
 
 /** Whether an element has a type whose layers are kept by default. */
@@ -429,6 +428,8 @@ static int open_mesh(pl_job *job) {
     job->options.round_user = job->file_info.round_user;
     job->mesh = planish_file_mesh(job->file);
     job->is_surface = pl_curved_is_surface(&job->mesh);
+    if (job->engine->choose)
+        job->engine->choose(job);
     if (arguments->like && !job->is_surface &&
         (status = pl_like_read(arguments, job->file, job->options.threads, &job->mesh, &job->like)))
         return status;
@@ -591,7 +592,7 @@ int pl_job_find_slides(pl_job *job) {
         return 0;
     job->direction = new_directions(job);
     int status = job->direction ? 0 : pl_job_complain_memory(job, "values of nodes");
-    if (!status && (job->is_surface || (pl_curved_is_asked(job) && job->engine == &pl_engine_here)))
+    if (!status && (job->is_surface || pl_curved_is_asked(job)))
         status = pl_curved_create(job);
     uint8_t *is_inside = find_inside(job);
     if (!status)

@@ -6,6 +6,7 @@
 #include "terminal/message.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 
 const char *const *pl_job_region_arrays(const pl_job *job) {
@@ -27,6 +28,20 @@ const int32_t *pl_job_corners(const pl_job *job, int64_t element, int *n) {
 
 int64_t pl_job_element_number(const pl_job *job, int64_t element) {
     return job->file ? planish_file_element_number(job->file, element) : element;
+}
+
+void pl_box_widen(pl_box *box, int dim, const double *x, int64_t n) {
+    for (int d = 0; d < dim; d++) {
+        double low = box->is_known ? box->low[d] : INFINITY;
+        double high = box->is_known ? box->high[d] : -INFINITY;
+        for (int64_t i = 0; i < n; i++) {
+            low = fmin(low, x[i * dim + d]);
+            high = fmax(high, x[i * dim + d]);
+        }
+        box->low[d] = low;
+        box->high[d] = high;
+    }
+    box->is_known = 1;
 }
 
 /** Whether the error is an element with the same node at two corners. */

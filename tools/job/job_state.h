@@ -2,6 +2,7 @@
  *
  *     pl_job_hold, _region_arrays          how options hold nodes; arrays that tell regions
  *     pl_job_element_dim, _corners, _element_number    its elements
+ *     pl_box_widen                              a box
  *     pl_job_complain, _complain_memory    messages on errors of the library, and of memory
  */
 #ifndef PL_TOOLS_JOB_STATE_H
@@ -86,6 +87,12 @@ typedef struct pl_onto {
     double seconds;
 } pl_onto;
 
+/** A box along the axes of a mesh. */
+typedef struct pl_box {
+    int is_known; /* 0: nothing else is set */
+    double low[3], high[3];
+} pl_box;
+
 /** Messages between the processes that share a mesh, summed over them. */
 typedef struct pl_traffic {
     int n_processes;     /* 0: one process works by itself, and nothing else is set */
@@ -129,6 +136,7 @@ typedef struct pl_job {
     pl_curved curved;
     pl_onto onto;
     pl_like like;
+    pl_box goal; /* where the nodes will be, as far as that is known beforehand; for pictures */
     int64_t could_slide;  /* nodes that would with --slide auto; -1: not looked for */
     uint8_t *released_by; /* [mesh.n_nodes] bits PL_RELEASED_BY_ of held nodes; owned, or NULL: not
                                   looked for */
@@ -163,6 +171,9 @@ const int32_t *pl_job_corners(const pl_job *job, int64_t element, int *n);
 
 /** The file's number of an element; without a file its index. */
 int64_t pl_job_element_number(const pl_job *job, int64_t element);
+
+/** Widen box to hold n places x [n][dim]. */
+void pl_box_widen(pl_box *box, int dim, const double *x, int64_t n);
 
 /** Message for an error of the library: the text, and which file if it does not say so. */
 int pl_job_complain(const pl_job *job, int status, const planish_error *error);

@@ -10,6 +10,9 @@
  *  a message. */
 int pl_moved_take(pl_job *job, const planish_file *after, planish_result *moved);
 
+/** Set job->goal to the box of those places. As pl_moved_take. */
+int pl_moved_bound(pl_job *job, const planish_file *after);
+
 /** Compute the checksum of the coordinates that file has, as pl_job_checksum of a job with this file. */
 uint64_t pl_moved_checksum(const planish_file *file);
 

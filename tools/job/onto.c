@@ -35,8 +35,8 @@ static int make_shape(const pl_job *job, const planish_file *file, const planish
     return planish_shape_create(mesh, &surface, job->options.threads, shape, NULL, error);
 }
 
-/** Make the shape of a flat mesh, which is in space in its file. */
-static int make_flat(const pl_job *job, planish_file *file, planish_shape **shape,
+/** Make the shape of a flat mesh, which is in space in its file, and find its box there. */
+static int make_flat(const pl_job *job, planish_file *file, planish_shape **shape, pl_box *box,
                      planish_error *error) {
     planish_mesh mesh = planish_file_mesh(file);
     planish_cells cells;
@@ -52,14 +52,16 @@ static int make_flat(const pl_job *job, planish_file *file, planish_shape **shap
                           .n_elements = cells.n,
                           .cells = &cells,
                           .coordinates = places};
-    if (!code)
+    if (!code) {
+        pl_box_widen(box, 3, places, mesh.n_nodes);
         code = make_shape(job, file, &mesh, shape, error);
+    }
     free(places);
     return code ? complain(job, error) : 0;
 }
 
-/** Read the file of --onto, and make its shape. */
-static int read_other(pl_job *job) {
+/** Read the file of --onto, make its shape, and find its box. */
+static int read_other(pl_job *job, pl_box *box) {
     const planish_open_options how = {.threads = job->options.threads, .isolated = 1};
     planish_file *file = NULL;
     planish_error error;
@@ -68,9 +70,11 @@ static int read_other(pl_job *job) {
     const planish_mesh mesh = planish_file_mesh(file);
     int status;
     if (mesh.dim == 2)
-        status = make_flat(job, file, &job->onto.shape, &error);
+        status = make_flat(job, file, &job->onto.shape, box, &error);
     else
         status = make_shape(job, file, &mesh, &job->onto.shape, &error) ? complain(job, &error) : 0;
+    if (mesh.dim == 3)
+        pl_box_widen(box, 3, mesh.coordinates, mesh.n_nodes);
     planish_file_close(file);
     return status;
 }
@@ -121,6 +125,22 @@ static int move_nodes(pl_job *job) {
     return 0;
 }
 
+/** Set job->goal to the box of the mesh, and of what of the other surface, in box, is near it: nodes may still
+ *  come there. */
+static void bound_goal(pl_job *job, const pl_box *box) {
+    const double part = 0.1; /* of the longest side: the other surface may be that of much more */
+    pl_box *goal = &job->goal;
+    double size = 0;
+    pl_box_widen(goal, 3, job->mesh.coordinates, job->mesh.n_nodes);
+    for (int d = 0; d < 3; d++)
+        size = fmax(size, goal->high[d] - goal->low[d]);
+    const double near = fmax(part * size, job->onto.after.farthest);
+    for (int d = 0; d < 3; d++) {
+        goal->low[d] = fmin(goal->low[d], fmax(box->low[d], goal->low[d] - near));
+        goal->high[d] = fmax(goal->high[d], fmin(box->high[d], goal->high[d] + near));
+    }
+}
+
 /** Measure the mesh before anything moves. */
 static int measure_before(pl_job *job) {
     planish_error error;
@@ -139,6 +159,7 @@ int pl_onto_fit(pl_job *job) {
     planish_error error;
     pl_onto *onto = &job->onto;
     const double begin = pl_seconds();
+    pl_box other = {.is_known = 0};
     int status;
     if (!job->arguments->onto)
         return 0;
@@ -151,7 +172,7 @@ int pl_onto_fit(pl_job *job) {
                            "to another surface",
                            job->arguments->input);
     pl_signals_install_stop();
-    if ((status = read_other(job)))
+    if ((status = read_other(job, &other)))
         return status;
     if (make_shape(job, job->file, &job->mesh, &onto->own, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
@@ -163,6 +184,7 @@ int pl_onto_fit(pl_job *job) {
         return status;
     if ((status = measure_before(job)) || (status = move_nodes(job)))
         return status;
+    bound_goal(job, &other);
     planish_fit_constrain(onto->fit, job->constraint);
     job->options.project = planish_fit_project;
     job->options.project_user = onto->fit;

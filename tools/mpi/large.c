@@ -29,8 +29,10 @@ int pl_large_can(const pl_arguments *a) {
     const int asks_for_all = a->n_fix > 0 || a->layers == PL_LAYERS_HELD || a->n_slide_tags > 0 ||
                              a->n_min_volumes > 0 || a->n_regions > 0 || a->report ||
                              (a->format && strcmp(a->format, "dmplex") != 0);
+    const int is_curved = a->slide && a->slide_curved;
     const char *why = !pl_plexfile_is(a->output) ? "the output is not a .h5 file"
                       : asks_for_all ? "the options name groups, an HTML report or another format"
+                      : is_curved    ? "nodes slide on curved surfaces"
                                      : pl_plexrows_refusal(a->input, &form);
     if (why && why[0] && a->verbosity != PL_QUIET)
         pl_note(stderr, "%s: one process has all of the mesh: %s", a->input, why);

@@ -4,10 +4,12 @@
 #include "mpi/large.h"
 
 #include "commands/commands.h"
+#include "job/curved.h"
 #include "terminal/message.h"
 
 #include "base/status.h"
 
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -326,34 +328,58 @@ static int find_collapsed(const planish_mesh *mesh, planish_error *error) {
     return PLANISH_OK;
 }
 
+/** Let this process do it all, while the others wait. why: they cannot share the mesh. */
+static void work_alone(pl_job *job, const char *why) {
+    pl_crew *crew = crew_of(job);
+    if (crew->n_ranks > 1 && job->arguments->verbosity != PL_QUIET)
+        pl_note(stderr, "%s: one process of %d does it all: %s", job->arguments->input,
+                crew->n_ranks, why);
+    crew->engine = pl_engine_here;
+    crew->engine.can_write = pl_plexfile_is;
+    crew->engine.write = write_mesh;
+    job->traffic = (pl_traffic){.n_processes = crew->n_ranks};
+}
+
+/** Work alone if it is known from the options, or the elements, that processes cannot share the mesh. */
+static void choose(pl_job *job) {
+    if (job->is_surface) /* is refused */
+        return;
+    if (job->mesh.cells)
+        work_alone(job, "its elements are not all straight simplices");
+    else if (pl_curved_is_asked(job))
+        work_alone(job, job->arguments->curved_if_any
+                            ? "--best lets nodes slide on curved surfaces; with --best --slide "
+                              "auto all processes share the mesh"
+                            : "nodes slide on curved surfaces");
+}
+
 /** Make the plan by all processes, or by this one alone if they cannot share the mesh. */
 static int lead_create(pl_job *job, planish_error *error) {
     pl_crew *crew = crew_of(job);
     if (find_collapsed(&job->mesh, error))
         return error->code;
-    int code = job->mesh.cells
-                   ? pl_fail(error, PLANISH_ERROR_PARTS, "its elements have mid-side nodes")
-                   : create_plan(job, error);
+    int code = create_plan(job, error);
     if (!code) {
         planish_plan_get_info(crew->plan, &job->plan_info);
         code = check_periodic(job, error);
     }
     if (code != PLANISH_ERROR_PARTS || crew->is_large)
         return code;
-    /* The others wait, and this one does it all. */
-    if (crew->n_ranks > 1 && job->arguments->verbosity != PL_QUIET)
-        pl_note(stderr, "%s: one process of %d does it all: %s", job->arguments->input,
-                crew->n_ranks, error->text);
     destroy_plan(job);
-    crew->engine = pl_engine_here;
-    crew->engine.can_write = pl_plexfile_is;
-    crew->engine.write = write_mesh;
-    job->traffic = (pl_traffic){.n_processes = crew->n_ranks};
+    work_alone(job, error->text);
     return pl_engine_here.plan_create(job, error);
+}
+
+/** Ignore signals once all is told: mpirun ends this process when another one has ended with an error. */
+static void ignore_signals(void) {
+    static const int signals[] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE};
+    for (size_t i = 0; i < sizeof signals / sizeof *signals; i++)
+        signal(signals[i], SIG_IGN);
 }
 
 int pl_crew_lead(pl_crew *crew, const pl_arguments *arguments) {
     crew->engine = (pl_engine){.read = pl_large_can(arguments) ? read_mesh : NULL,
+                               .choose = choose,
                                .plan_create = lead_create,
                                .plan_destroy = destroy_plan,
                                .get_free = get_free,
@@ -364,6 +390,7 @@ int pl_crew_lead(pl_crew *crew, const pl_arguments *arguments) {
                                .can_write = pl_plexfile_is,
                                .write = write_mesh};
     int status = pl_smooth_by(arguments, &crew->engine);
+    ignore_signals();
     pl_crew_tell(crew, END);
     MPI_Bcast(&status, 1, MPI_INT, 0, crew->comm);
     return status;

@@ -11,6 +11,7 @@
 #include <petscsf.h>
 #include <petscviewer.h>
 
+#include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
 #include <stdio.h>
@@ -499,6 +500,20 @@ static PetscErrorCode make_plex(MPI_Comm comm, const planish_mesh *whole, const 
     return PetscObjectSetName((PetscObject)*dm, own_name);
 }
 
+/** Find by more bytes why HDF5 cannot write the file at path, of which it does not tell: an errno, or 0. */
+static int find_reason(const char *path) {
+    static const char block[1 << 16];
+    enum { MOST = 256 };
+    int reason = 0;
+    const int fd = open(path, O_WRONLY | O_APPEND);
+    for (int i = 0; i < MOST && fd >= 0 && !reason; i++)
+        if (write(fd, block, sizeof block) < 0)
+            reason = errno;
+    if (fd >= 0)
+        close(fd);
+    return fd >= 0 ? reason : errno;
+}
+
 int pl_plexfile_convert(MPI_Comm comm, const planish_mesh *whole, const int32_t *region,
                         const char *path, pl_plexout *out, planish_error *error) {
     char temporary[2 * PATH_MAX] = "";
@@ -510,8 +525,11 @@ int pl_plexfile_convert(MPI_Comm comm, const planish_mesh *whole, const int32_t 
     if (code)
         status = pl_fail_petsc(error, code);
     const int before = keep_silent();
-    if (!status && view(comm, dm, temporary))
-        status = pl_fail(error, PLANISH_ERROR_FILE, "%.300s: cannot be written", path);
+    if (!status && view(comm, dm, temporary)) {
+        const int reason = find_reason(temporary);
+        status = pl_fail(error, PLANISH_ERROR_FILE, "%.300s: cannot be written%s%s", path,
+                         reason ? ": " : "", reason ? strerror(reason) : "");
+    }
     speak(before);
     DMDestroy(&dm);
     return status;

@@ -69,7 +69,18 @@ const cJSON *pl_figures_last(const pl_figures *figures) {
     return figures->state[figures->n_states - 1];
 }
 
+/** Names of types with mid-side nodes end with the number of their nodes. */
 int pl_figures_have_mids(const pl_figures *figures) {
+    const cJSON *of;
+    cJSON_ArrayForEach(of, cJSON_GetObjectItemCaseSensitive(figures->state[0], "counts")) {
+        const char *name = of->string ? of->string : "";
+        if (name[0] && strchr("0123456789", name[strlen(name) - 1]) && value_of(of) > 0)
+            return 1;
+    }
+    return 0;
+}
+
+int pl_figures_have_simplex_mids(const pl_figures *figures) {
     const cJSON *counts = cJSON_GetObjectItemCaseSensitive(figures->state[0], "counts");
     return pl_figure(counts, "tetrahedron10") > 0 || pl_figure(counts, "triangle6") > 0;
 }

@@ -34,8 +34,11 @@ const char *pl_figures_find(const cJSON *result, pl_figures *figures);
 /** The last state: the result. */
 const cJSON *pl_figures_last(const pl_figures *figures);
 
-/** Whether simplices have mid-side nodes, of which the picture and most measures know nothing. */
+/** Whether elements have mid-side nodes, of which the picture and most measures know nothing. */
 int pl_figures_have_mids(const pl_figures *figures);
+
+/** Whether simplices have them. */
+int pl_figures_have_simplex_mids(const pl_figures *figures);
 
 /** The states of the simplices alone, by their corners; n_states is 0 if there are none, and before and
  *  after smoothing, where all elements have one measure. */

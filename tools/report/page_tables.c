@@ -329,7 +329,7 @@ static void put_types(pl_markup *page, const pl_figures *figures) {
 
 void pl_page_put_measures(pl_markup *page, const pl_figures *figures) {
     const pl_figures alone = pl_figures_simplices(figures);
-    const int has_mids = pl_figures_have_mids(figures);
+    const int has_mids = pl_figures_have_simplex_mids(figures);
     pl_markup_put(page, "<section id=\"measures\" class=\"whole\"><h2>%s</h2>\n",
                   figures->n_states == 2 ? "Before and after" : "Quality");
     if (figures->has_types)

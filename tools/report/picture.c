@@ -14,17 +14,14 @@ enum { MOST_TRIANGLES = 40000, MOST_INSIDE = 16000, SAMPLE_INSIDE = 2500, MOST_C
 /* With a history it draws this part of them, so that there is room for its states. */
 enum { PART_WITH_HISTORY = 2 };
 
-static void find_box(pl_picture *picture, const planish_mesh *mesh) {
-    const int dim = mesh->dim;
-    for (int d = 0; d < dim; d++) {
-        double low = INFINITY, high = -INFINITY;
-        for (int64_t i = 0; i < mesh->n_nodes; i++) {
-            low = fmin(low, mesh->coordinates[i * dim + d]);
-            high = fmax(high, mesh->coordinates[i * dim + d]);
-        }
-        picture->low[d] = low;
-        picture->high[d] = high;
-        picture->size = fmax(picture->size, high - low);
+/** Find the box of the mesh as it is, and as it will be if that is known. */
+static void find_box(pl_picture *picture, const pl_job *job) {
+    pl_box box = job->goal;
+    pl_box_widen(&box, job->mesh.dim, job->mesh.coordinates, job->mesh.n_nodes);
+    for (int d = 0; d < job->mesh.dim; d++) {
+        picture->low[d] = box.low[d];
+        picture->high[d] = box.high[d];
+        picture->size = fmax(picture->size, box.high[d] - box.low[d]);
     }
     if (picture->size == 0)
         picture->size = 1;
@@ -77,7 +74,7 @@ int pl_picture_begin(const pl_job *job, pl_picture **result) {
     picture->n_elements = job->mesh.n_elements;
     picture->n_measures = pl_drawn_measures(job, picture->measure);
     picture->has_plane = planish_file_plane(job->file, &picture->plane);
-    find_box(picture, &job->mesh);
+    find_box(picture, job);
     const int part = job->arguments->history > 0 ? PART_WITH_HISTORY : 1;
     if (pl_drawn_surface_find(&job->mesh, MOST_TRIANGLES / part, &picture->surface, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);

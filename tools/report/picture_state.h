@@ -40,7 +40,7 @@ typedef struct pl_picture {
     int has_plane;  /* it is drawn in a plane other than that of x and y, */
     planish_plane plane;
     int64_t n_nodes, n_elements; /* of the mesh */
-    double low[3], high[3];      /* its box as it was at first */
+    double low[3], high[3];      /* the box of its states, as far as these are known at first */
     double size;                 /* the longest side of that */
     pl_drawn_surface surface;
     int is_solid; /* has solid elements: */
