@@ -808,7 +808,8 @@ typedef struct planish_fit_info {
     int64_t n_held;         /* nodes that the caller, or elements that are not smoothed, hold */
     int64_t n_off;          /* nodes that are not at their places yet */
     double farthest; /* largest distance of a node from its place, in units of the coordinates */
-    int64_t reserved[8];
+    int64_t n_cut; /* corners of three curves or more that have no corner, though one is in reach */
+    int64_t reserved[7];
 } planish_fit_info;
 
 /** Find the places of the boundary nodes of mesh on the shape onto. mesh has solids of order 1, and

@@ -56,6 +56,7 @@ static void describe(const planish_fit *fit, planish_fit_info *info) {
         info->n_nodes += fit->state[i] != PL_FIT_INSIDE;
         info->n_held += fit->state[i] == PL_FIT_HELD;
         info->n_out_of_reach += fit->state[i] == PL_FIT_FAR;
+        info->n_cut += is_placed && fit->is_cut[i];
         info->n_on_patch += is_placed && fit->kind[i] == PL_ON_PATCH;
         info->n_on_curve += is_placed && fit->kind[i] == PL_ON_CURVE;
         info->n_on_corner += is_placed && fit->kind[i] == PL_CORNER;

@@ -44,11 +44,13 @@ struct planish_fit {
     const planish_shape *own, *onto;
     int64_t n_nodes; /* of own */
     int threads;
-    double reach;           /* in mean edges of a node */
-    double to_own;          /* from onto's unit to that of own */
-    pl_storage storage;     /* of what a node is moved to */
-    uint8_t *state;         /* [n_nodes] PL_FIT_.. */
-    uint8_t *kind;          /* [n_nodes] PL_ON_PATCH, PL_ON_CURVE, PL_CORNER of the other shape */
+    double reach;       /* in mean edges of a node */
+    double to_own;      /* from onto's unit to that of own */
+    pl_storage storage; /* of what a node is moved to */
+    uint8_t *state;     /* [n_nodes] PL_FIT_.. */
+    uint8_t *kind;      /* [n_nodes] PL_ON_PATCH, PL_ON_CURVE, PL_CORNER of the other shape */
+    uint8_t *
+        is_cut; /* [n_nodes] 1: a corner of three curves or more, and none of those in reach is for it */
     uint8_t *slides;        /* [n_nodes] 1: it moves along the other shape when it is there */
     uint8_t *is_there;      /* [n_nodes] 1: it has come to its place */
     pl_place *place;        /* [n_nodes] of a corner at is its node */

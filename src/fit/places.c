@@ -30,7 +30,7 @@ enum { CHUNK = 64, TRIALS = 32 };
 #define CURVE_PATCHES 1.5
 /* Curves go as an edge of the node does, either way: cosine. */
 #define ALONG 0.5
-/* A corner is for nodes within so many of their mean edges, and so many times as far as the nearest curve. */
+/* A corner is for nodes within so many of their mean edges, and so many times as far as curves along their own. */
 #define CORNER_EDGES  0.25
 #define CORNER_CURVES 2
 /* So much of the votes decides which way a patch turns. */
@@ -254,36 +254,45 @@ static void find_turns(const finding *g, int64_t (*votes)[2]) {
     }
 }
 
-/** Return the distance of a node from the nearest curve that goes as one of its own; infinite: none does
- *  in reach. */
+/** Return the largest distance of a node from the nearest curve along an edge of its own: each of these is to move on
+ *  to the corner. Edges along which no curve is in reach do not count; infinite: none is along any. */
 static double off_curves(const finding *g, int32_t node) {
     const planish_fit *fit = g->fit;
-    double x[3], way[MOST_WAYS][3];
-    search s = {.fit = fit, .patch = -1, .way = (const double(*)[3])way};
-    double square = reach_of_features(g, node, x);
-    s.n_ways = ways_at(fit->own, &g->features, node, way);
-    return nearest(&fit->edges, x, square_of_edge, &s, &square) >= 0 ? sqrt(square) : INFINITY;
+    double x[3], way[MOST_WAYS][3], most = -1;
+    const int n_ways = ways_at(fit->own, &g->features, node, way);
+    for (int i = 0; i < n_ways; i++) {
+        const search s = {.fit = fit, .patch = -1, .way = (const double(*)[3])way + i, .n_ways = 1};
+        double square = reach_of_features(g, node, x);
+        if (nearest(&fit->edges, x, square_of_edge, &s, &square) >= 0)
+            most = fmax(most, sqrt(square));
+    }
+    return most < 0 ? INFINITY : most;
 }
 
-/** Find the corner that each corner of the mesh's surface would go to: where a coarse curve turns it has one of
- *  its own, which is on the other curve and far from its corners. */
+/** Return the corner that a corner of the mesh's surface would go to; -1: there is none. Where a coarse curve turns
+ *  it has one of its own, which is on the other curve and far from its corners. */
+static int32_t find_corner(const finding *g, int32_t node, double *square) {
+    const planish_fit *fit = g->fit;
+    const search s = {.fit = fit};
+    const double near = CORNER_EDGES * fit->own->edge_length[node] / fit->to_own;
+    double x[3];
+    *square = reach_of_features(g, node, x);
+    const int32_t at = nearest(&fit->corners, x, square_of_corner, &s, square);
+    if (at < 0)
+        return -1;
+    fit->is_cut[node] = g->features.offset[node + 1] - g->features.offset[node] > 2;
+    return sqrt(*square) > near + CORNER_CURVES * off_curves(g, node) ? -1 : at;
+}
+
 static void look_for_corners(void *context, int64_t begin, int64_t end, int thread) {
     finding *g = context;
     const planish_fit *fit = g->fit;
     (void)thread;
-    for (int64_t i = begin; i < end; i++) {
-        const search s = {.fit = fit};
-        double x[3];
-        g->square[i] = reach_of_features(g, (int32_t)i, x);
+    for (int64_t i = begin; i < end; i++)
         g->near[i] = fit->state[i] == PL_FIT_PLACED && fit->own->node_class[i] == PL_CORNER &&
                              g->features.offset[i + 1] > g->features.offset[i]
-                         ? nearest(&fit->corners, x, square_of_corner, &s, &g->square[i])
+                         ? find_corner(g, (int32_t)i, &g->square[i])
                          : -1;
-        const double near = CORNER_EDGES * fit->own->edge_length[i] / fit->to_own;
-        if (g->near[i] >= 0 &&
-            sqrt(g->square[i]) > near + CORNER_CURVES * off_curves(g, (int32_t)i))
-            g->near[i] = -1;
-    }
 }
 
 /** Give each corner to the nearest node that asks for it, the lowest of several. winner [nodes of onto]. */
@@ -300,6 +309,7 @@ static void give_corners(const finding *g, int32_t *winner) {
             continue;
         fit->kind[winner[c]] = PL_CORNER;
         fit->place[winner[c]].at = c;
+        fit->is_cut[winner[c]] = 0;
     }
 }
 

@@ -124,6 +124,29 @@ expect_json 'r["surface"]["worst_ratio_of_input"] < r["before"]["max_radius_rati
 expect_status 0 "$program" smooth block.mesh --onto half.mesh -o block-out.mesh --json report.json
 expect_json 'r["certified"] and r["surface"]["out_of_reach"] == 0 and r["surface"]["off"] == 0'
 
+# A cube onto one that is higher keeps its corners; onto a roof two are left over, and that is said.
+python3 - <<'END'
+def put(name, points, triangles):
+    with open(name, "w") as off:
+        off.write("OFF\n%d %d 0\n" % (len(points), len(triangles)))
+        off.writelines("%g %g %g\n" % tuple(p) for p in points)
+        off.writelines("3 %d %d %d\n" % t for t in triangles)
+
+
+ring = [(-0.7, -0.7), (0.7, -0.7), (0.7, 0.7), (-0.7, 0.7)]
+sides = [(0, 1, 5), (0, 5, 4), (1, 2, 6), (1, 6, 5), (2, 3, 7), (2, 7, 6), (3, 0, 4), (3, 4, 7), (0, 2, 1), (0, 3, 2)]
+put("higher.off", [(*p, z) for z in (-0.7, 0.9) for p in ring], [*sides, (4, 5, 6), (4, 6, 7)])
+roof = [(*p, -0.7) for p in ring] + [(-0.7, 0, 0.7), (0.7, 0, 0.7)]
+put("roof.off", roof, [(0, 1, 5), (0, 5, 4), (1, 2, 5), (2, 3, 4), (2, 4, 5), (3, 0, 4), (0, 2, 1), (0, 3, 2)])
+END
+expect_status 0 "$program" smooth cube.mesh --onto higher.off -o higher.mesh --json report.json
+expect_json 'r["surface"]["on_corners"] == 8 and r["surface"]["cut_corners"] == 0'
+expect_json 'r["surface"]["distance"] < 0.001 and r["surface"]["distance_back"] < 0.001'
+"$program" smooth cube.mesh --onto roof.off -o under-roof.mesh --json report.json >out 2>err
+tr '\n' ' ' <err >text
+grep -q "2 corners of the surface are not at a corner of roof.off" text || { fail "cut corners are said"; cat err; }
+expect_json 'r["surface"]["on_corners"] == 6 and r["surface"]["cut_corners"] == 2'
+
 # Nodes that cannot get there, as all nodes inside are held.
 python3 - <<'END'
 lines = open("block.mesh").read().split("\n")

@@ -93,6 +93,13 @@ void block_target_create(block_form f, int n, double size, int is_turned, block_
     finish(f, size, s);
 }
 
+void block_target_place(block_target *s, const double stretch[3], const double shift[3]) {
+    for (int64_t i = 0; i < 3 * s->mesh.n_nodes; i++)
+        s->x[i] = s->x[i] * stretch[i % 3] + shift[i % 3];
+    planish_shape_destroy(s->shape);
+    assert_int_equal(planish_shape_create(&s->mesh, NULL, 1, &s->shape, NULL, NULL), 0);
+}
+
 void block_target_destroy(block_target *s) {
     planish_shape_destroy(s->shape);
     free(s->x);

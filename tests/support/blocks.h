@@ -2,6 +2,7 @@
  *
  *   block_create, _destroy                             a block of cells in a form
  *   block_target_create, _create_curved, _destroy      a surface of triangles in a form
+ *   block_target_place                                 the same stretched, and elsewhere
  */
 #ifndef TEST_SUPPORT_BLOCKS_H
 #define TEST_SUPPORT_BLOCKS_H
@@ -40,6 +41,9 @@ typedef struct block_target {
 
 /** Make a surface of n squares along each side; is_turned: its triangles turn inwards. */
 void block_target_create(block_form f, int n, double size, int is_turned, block_target *s);
+
+/** Stretch a surface along each axis, then shift it. */
+void block_target_place(block_target *s, const double stretch[3], const double shift[3]);
 
 /** Make a surface of six sides of two triangles of order 2 each. */
 void block_target_create_curved(block_form f, double size, block_target *s);

@@ -191,6 +191,12 @@ void pl_onto_note(FILE *stream, const pl_job *job, double worst) {
                 onto->before.n_out_of_reach, onto->before.n_out_of_reach == 1 ? "" : "s",
                 onto->before.n_out_of_reach == 1 ? "has" : "have", file,
                 onto->before.n_out_of_reach == 1 ? "s" : "");
+    if (onto->before.n_cut > 0)
+        pl_note(stream,
+                "%" PRId64 " corner%s of the surface %s not at a corner of %s, though one is near: "
+                "edges are cut off there",
+                onto->before.n_cut, onto->before.n_cut == 1 ? "" : "s",
+                onto->before.n_cut == 1 ? "is" : "are", file);
     if (onto->before.n_held > 0)
         pl_note(stream, "%" PRId64 " node%s of the surface %s held, and not fitted to %s",
                 onto->before.n_held, onto->before.n_held == 1 ? "" : "s",
