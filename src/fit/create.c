@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "fit/pieces.h"
 #include "topology/cells.h"
 
 #include <inttypes.h>
@@ -229,6 +230,7 @@ void pl_fit_destroy(planish_fit *fit) {
     pl_free(fit->place);
     pl_free(fit->goal);
     pl_free(fit->direction);
+    pl_fit_free_pieces(&fit->pieces);
     pl_free(fit->turn);
     pl_free(fit->is_corner);
     pl_tree_destroy(&fit->facets);

@@ -5,6 +5,7 @@
  * valid. Smoothing between these rounds is done elsewhere.
  *
  *   create.h     pl_fit_create, _destroy      the nodes, and the elements around them
+ *   pieces.h     pl_fit_find_pieces           what the outside of a shape consists of
  *   places.h     pl_fit_find_places           the other shape's places of the nodes
  *                pl_fit_project               the place near a point
  *                pl_fit_is_place              whether a point is one
@@ -38,6 +39,17 @@ typedef struct pl_fit_element {
     uint8_t type; /* number of its rule */
 } pl_fit_element;
 
+/** Pieces of the outside of a shape. Arrays are owned. */
+typedef struct pl_fit_pieces {
+    int32_t n;
+    int32_t *of;        /* [facets] piece of each; -1: it is not of the outside */
+    int32_t *first;     /* [n] its lowest facet */
+    uint8_t *is_closed; /* [n] 1: it has a border nowhere */
+    int8_t *turn;       /* [n] -1: its facets turn into the body, if it is closed */
+    double *area;       /* [n] */
+    pl_box3 *box;       /* [n] */
+} pl_fit_pieces;
+
 /** A fit. Nodes have the numbers of the mesh's own shape, which is not owned, nor is the other one.
  *  Lengths are in the unit of the other shape unless it says otherwise. Arrays are owned. */
 struct planish_fit {
@@ -56,6 +68,7 @@ struct planish_fit {
     pl_place *place;        /* [n_nodes] of a corner at is its node */
     double (*goal)[3];      /* [n_nodes] the place, in the mesh's units */
     double (*direction)[3]; /* [n_nodes] normal there, out of the mesh; or tangent */
+    pl_fit_pieces pieces;   /* of onto */
     int8_t *turn;           /* [patches of onto] -1: its facets turn into the mesh */
     int64_t n_turns;
     uint8_t *is_corner;             /* [nodes of onto] 1: curves end there */

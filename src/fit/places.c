@@ -5,14 +5,15 @@
  * a corner at a corner; where the other shape has none in reach they belong on a patch, too, and stay
  * there: what they bound is not to be lost.
  *
- * Which way a patch of the other shape turns is told by the nodes near it, as the facets of a file may turn
- * any way. */
+ * The facets of a file may turn any way. Closed pieces of the other shape have bodies or hollows inside, so all turn
+ * into the mesh or none, and other pieces each by itself: as nodes near them then have the shorter ways. */
 #include "fit/places.h"
 
 #include "base/joined.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
+#include "fit/pieces.h"
 #include "shape/nearest.h"
 #include "shape/pn.h"
 #include "shape/walk.h"
@@ -33,8 +34,10 @@ enum { CHUNK = 64, TRIALS = 32 };
 /* A corner is for nodes within so many of their mean edges, and so many times as far as curves along their own. */
 #define CORNER_EDGES  0.25
 #define CORNER_CURVES 2
-/* So much of the votes decides which way a patch turns. */
-#define CLEAR 0.75
+/* If ways are shorter by this factor that decides which way an open piece turns, by itself. */
+#define CLEAR 3
+/* Ways that decide it are sought so many times as far as places. */
+#define WIDER 3
 /* What is off a place by no more than this is there, in edges of the node. */
 #define NEAR 0x1p-30
 /* Steps of a storage are sought from here on, in sizes of the other shape. */
@@ -46,9 +49,24 @@ typedef struct search {
     const double *normal; /* of unit length; NULL: any */
     double alike;         /* cosine of the angle at most between that and a facet's */
     int32_t patch;        /* -1: any */
-    int n_ways;           /* unit directions of edges at a node on a curve or corner */
+    int sign;             /* if not 0: pieces of a group turn so */
+    int32_t group;
+    int n_ways; /* unit directions of edges at a node on a curve or corner */
     const double (*way)[3];
 } search;
+
+/** All closed pieces are group 0; others are groups by themselves. */
+static int32_t group_of(const planish_fit *fit, int32_t facet) {
+    const int32_t piece = fit->pieces.of[facet];
+    return fit->pieces.is_closed[piece] ? 0 : piece + 1;
+}
+
+/** Return which way a facet of the outside turns in a search. */
+static int turn_of(const search *s, int32_t facet) {
+    const planish_fit *fit = s->fit;
+    return s->sign ? s->sign * fit->pieces.turn[fit->pieces.of[facet]]
+                   : fit->turn[fit->onto->patch[facet]];
+}
 
 static double square_of_facet(const void *context, int32_t facet, const double point[3]) {
     const search *s = context;
@@ -58,7 +76,8 @@ static double square_of_facet(const void *context, int32_t facet, const double p
     double weight[3] = {1, 0, 0}, normal[3];
     pl_kept_normal(onto, facet, normal);
     if (onto->is_interface[facet] || (s->patch >= 0 && patch != s->patch) ||
-        (s->normal && !(s->fit->turn[patch] * pl_dot(3, s->normal, normal) >= s->alike)))
+        (s->sign && group_of(s->fit, facet) != s->group) ||
+        (s->normal && !(turn_of(s, facet) * pl_dot(3, s->normal, normal) >= s->alike)))
         return INFINITY;
     return pl_nearest_on_triangle(point, x, weight);
 }
@@ -194,8 +213,9 @@ typedef struct finding {
     planish_fit *fit;
     const pl_points *points;
     features features;
-    int32_t *near;  /* [n_nodes] facet, or -1; then the corner that a node asks for */
-    double *square; /* [n_nodes] of the distance of that corner */
+    int32_t *near;     /* [n_nodes] facet, or -1; then the corner that a node asks for */
+    double *square;    /* [n_nodes] of the distance of that corner */
+    double (*ways)[2]; /* [n_nodes] squares: if facets turn as they are to, or against that */
 } finding;
 
 /** Set x to a node, in onto's unit, and return the square of its reach. */
@@ -218,39 +238,56 @@ static double reach_of_features(const finding *g, int32_t node, double x[3]) {
     return square * part * part;
 }
 
-/** Find the facet that is nearest to each node, whichever way it turns. */
-static void look_for_facets(void *context, int64_t begin, int64_t end, int thread) {
+/** Find the facet that is nearest to each node, whichever way it turns, and the squares of the ways of the node if the
+ *  facet's group turns as its pieces are to, or against that. */
+static void look_for_turns(void *context, int64_t begin, int64_t end, int thread) {
     finding *g = context;
+    const planish_fit *fit = g->fit;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
-        const search s = {.fit = g->fit, .patch = -1};
-        double x[3], square = reach_of(g, (int32_t)i, x);
-        g->near[i] = g->fit->state[i] == PL_FIT_PLACED
-                         ? nearest(&g->fit->facets, x, square_of_facet, &s, &square)
-                         : -1;
+        search s = {.fit = fit, .patch = -1};
+        double x[3], normal[3], square = reach_of(g, (int32_t)i, x);
+        const double most = WIDER * WIDER * square;
+        const int is_asked =
+            fit->state[i] == PL_FIT_PLACED && normal_at(fit->own, (int32_t)i, normal);
+        g->near[i] = is_asked ? nearest(&fit->facets, x, square_of_facet, &s, &square) : -1;
+        if (g->near[i] < 0)
+            continue;
+        s = (search){.fit = fit,
+                     .patch = -1,
+                     .normal = normal,
+                     .alike = ALIKE,
+                     .group = group_of(fit, g->near[i])};
+        for (int against = 0; against < 2; against++) {
+            g->ways[i][against] = most;
+            s.sign = against ? -1 : 1;
+            nearest(&fit->facets, x, square_of_facet, &s, &g->ways[i][against]);
+        }
     }
 }
 
-/** Let the nodes say which way the patches turn. votes [patches][2]: room of zeros. */
-static void find_turns(const finding *g, int64_t (*votes)[2]) {
+/** Decide which way the patches turn. sum [groups][2]: room of zeros. */
+static void find_turns(const finding *g, double (*sum)[2]) {
     planish_fit *fit = g->fit;
-    int64_t all[2] = {0, 0};
+    const pl_fit_pieces *pieces = &fit->pieces;
+    double all[2] = {0, 0}; /* of open pieces */
     for (int32_t i = 0; i < fit->n_nodes; i++) {
-        double normal[3], other[3];
-        if (g->near[i] < 0 || !normal_at(fit->own, i, normal))
-            continue;
-        pl_kept_normal(fit->onto, g->near[i], other);
-        const int is_against = pl_dot(3, normal, other) < 0;
-        votes[fit->onto->patch[g->near[i]]][is_against]++;
-        all[is_against]++;
+        const int32_t group = g->near[i] < 0 ? -1 : group_of(fit, g->near[i]);
+        const double edge = fit->own->edge_length[i] / fit->to_own;
+        for (int k = 0; k < 2 && group >= 0; k++) {
+            sum[group][k] += edge * edge * g->ways[i][k];
+            all[k] += group > 0 ? edge * edge * g->ways[i][k] : 0;
+        }
     }
-    for (int64_t p = 0; p < fit->n_turns; p++) {
-        const double most = CLEAR * (double)(votes[p][0] + votes[p][1]);
-        fit->turn[p] = all[1] > all[0] ? -1 : 1;
-        if (most > 0 && (double)votes[p][0] >= most)
-            fit->turn[p] = 1;
-        if (most > 0 && (double)votes[p][1] >= most)
-            fit->turn[p] = -1;
+    for (int64_t f = 0; f < fit->onto->n_facets; f++) {
+        if (pieces->of[f] < 0)
+            continue;
+        const int32_t group = group_of(fit, (int32_t)f);
+        const double *of = sum[group];
+        const int is_clear = group == 0 || fmax(of[0], of[1]) > CLEAR * fmin(of[0], of[1]);
+        const int is_against = is_clear ? of[1] < of[0] : all[1] < all[0];
+        fit->turn[fit->onto->patch[f]] =
+            (int8_t)(pieces->turn[pieces->of[f]] * (is_against ? -1 : 1));
     }
 }
 
@@ -421,20 +458,28 @@ int pl_fit_find_places(planish_fit *fit, const pl_points *points, planish_error 
     fit->is_corner = pl_alloc_zero(onto->n_nodes, sizeof *fit->is_corner);
     g.near = pl_alloc(fit->n_nodes, sizeof *g.near);
     g.square = pl_alloc(fit->n_nodes, sizeof *g.square);
-    int64_t(*votes)[2] = pl_alloc_zero(fit->n_turns, sizeof *votes);
+    g.ways = pl_alloc(fit->n_nodes, sizeof *g.ways);
     int32_t *winner = pl_alloc(onto->n_nodes, sizeof *winner);
-    int status = fit->turn && fit->is_corner && g.near && g.square && votes && winner &&
+    double(*sum)[2] = NULL;
+    int status = fit->turn && fit->is_corner && g.near && g.square && g.ways && winner &&
                          list_features(fit->own, &g.features)
                      ? plant_all(fit, error)
                      : pl_fail_memory(error, "the places of a fit");
+    if (!status)
+        status = pl_fit_find_pieces(onto, &fit->pieces, error);
+    if (!status)
+        status = pl_fit_turn_hollows(onto, fit->threads, &fit->pieces, error);
+    if (!status && !(sum = pl_alloc_zero(fit->pieces.n + 1, sizeof *sum)))
+        status = pl_fail_memory(error, "the places of a fit");
     if (!status) {
         for (int64_t e = 0; e < 2 * onto->n_edges; e++)
             fit->is_corner[onto->edge[e / 2][e % 2]] =
                 onto->node_class[onto->edge[e / 2][e % 2]] == PL_CORNER;
         for (int64_t i = 0; i < fit->n_nodes; i++)
             fit->place[i].at = -1;
-        pl_parallel_for(fit->threads, fit->n_nodes, CHUNK, look_for_facets, &g);
-        find_turns(&g, votes);
+        memset(fit->turn, 1, (size_t)fit->n_turns);
+        pl_parallel_for(fit->threads, fit->n_nodes, CHUNK, look_for_turns, &g);
+        find_turns(&g, sum);
         pl_parallel_for(fit->threads, fit->n_nodes, CHUNK, look_for_corners, &g);
         give_corners(&g, winner);
         pl_parallel_for(fit->threads, fit->n_nodes, CHUNK, find_places, &g);
@@ -442,7 +487,8 @@ int pl_fit_find_places(planish_fit *fit, const pl_points *points, planish_error 
     pl_free(g.near);
     pl_free(g.square);
     free_features(&g.features);
-    pl_free(votes);
+    pl_free(g.ways);
+    pl_free(sum);
     pl_free(winner);
     return status;
 }

@@ -280,6 +280,24 @@ static void test_stretched(void **state) {
     }
 }
 
+/** A flat ball goes to one beside it that most of its upper nodes meet from the wrong side, whichever way its facets
+ *  turn. */
+static void test_flat(void **state) {
+    (void)state;
+    const double stretch[3] = {1, 1, 0.15}, shift[3] = {0, 0, 0.24};
+    for (int is_turned = 0; is_turned < 2; is_turned++) {
+        fitted t;
+        make_fitted(1, BLOCK_BALL, 6, 1, 0, &t);
+        block_stretch(&t.b, stretch);
+        block_target_create(BLOCK_BALL, 6, 1, is_turned, &t.fine);
+        block_target_place(&t.fine, stretch, shift);
+        fit_one("flat ball", 0, &t);
+        assert_true(t.o.before.farthest < 0.25);
+        assert_int_equal(t.o.before.n_out_of_reach, 0);
+        free_fitted(&t);
+    }
+}
+
 /** Make a roof of a cube: both upper edges along x are one. */
 static void make_roof(block_target *s) {
     block_target_create(BLOCK_CUBE, 1, 1, 0, s);
@@ -819,6 +837,7 @@ int main(void) {
         cmocka_unit_test(test_curved_other),
         cmocka_unit_test(test_stretched),
         cmocka_unit_test(test_cut),
+        cmocka_unit_test(test_flat),
         cmocka_unit_test(test_threads),
         cmocka_unit_test(test_stop),
         cmocka_unit_test(test_positions),

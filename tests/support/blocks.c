@@ -179,6 +179,13 @@ void block_create(int is_tets, cell_box_kind kind, block_form f, int n, double s
     assert_int_equal(planish_shape_create(&b->mesh, NULL, 1, &b->shape, NULL, NULL), 0);
 }
 
+void block_stretch(block *b, const double stretch[3]) {
+    for (int64_t i = 0; i < 3 * b->mesh.n_nodes; i++)
+        b->box->x[i] = b->given[i] *= stretch[i % 3];
+    planish_shape_destroy(b->shape);
+    assert_int_equal(planish_shape_create(&b->mesh, NULL, 1, &b->shape, NULL, NULL), 0);
+}
+
 void block_destroy(block *b) {
     planish_shape_destroy(b->shape);
     cell_box_destroy(b->box);

@@ -1,6 +1,7 @@
 /* blocks: solids that are fitted to other surfaces, and these surfaces.
  *
  *   block_create, _destroy                             a block of cells in a form
+ *   block_stretch                                      the same stretched
  *   block_target_create, _create_curved, _destroy      a surface of triangles in a form
  *   block_target_place                                 the same stretched, and elsewhere
  */
@@ -25,6 +26,9 @@ typedef struct block {
  *  are off it at most, in parts of an edge, by random. */
 void block_create(int is_tets, cell_box_kind kind, block_form f, int n, double size, double shake,
                   uint64_t *random, block *b);
+
+/** Stretch a block along each axis. */
+void block_stretch(block *b, const double stretch[3]);
 
 void block_destroy(block *b);
 
