@@ -795,7 +795,7 @@ PLANISH_API void planish_options_init_sized(planish_options *options, size_t siz
 
 /** Fit of the surface of a mesh of solids to another surface, made of other triangles: the place of each
  *  node there. A node of a patch belongs at the nearest point of the other surface that faces the same
- *  way. A node of a curve belongs on a curve, a corner at a corner. If no curve or corner is in reach,
+ *  way. A node of a curve belongs on a curve, a corner at a corner, with such sides. If none is in reach,
  *  the node belongs on a patch, and stays there. */
 typedef struct planish_fit planish_fit;
 

@@ -6,6 +6,7 @@
  *
  *   create.h     pl_fit_create, _destroy      the nodes, and the elements around them
  *   pieces.h     pl_fit_find_pieces           what the outside of a shape consists of
+ *   sides.h      pl_fit_are_alike             features by what they bound
  *   places.h     pl_fit_find_places           the other shape's places of the nodes
  *                pl_fit_project               the place near a point
  *                pl_fit_is_place              whether a point is one

@@ -1,8 +1,8 @@
 /* places: where the nodes of a mesh belong on another shape.
  *
  * A node of a patch belongs where the other shape is nearest and turns the same way as the surface at the
- * node: not on the other side of a thin sheet. A node of a curve belongs on a curve of about its direction,
- * a corner at a corner; where the other shape has none in reach they belong on a patch, too, and stay
+ * node: not on the other side of a thin sheet. A node of a curve belongs on a curve of about its direction
+ * with such sides, a corner at a corner of such facets; where the other shape has none in reach they belong on a patch, too, and stay
  * there: what they bound is not to be lost.
  *
  * The facets of a file may turn any way. Closed pieces of the other shape have bodies or hollows inside, so all turn
@@ -14,6 +14,7 @@
 #include "base/parallel.h"
 #include "base/status.h"
 #include "fit/pieces.h"
+#include "fit/sides.h"
 #include "shape/nearest.h"
 #include "shape/pn.h"
 #include "shape/walk.h"
@@ -53,6 +54,7 @@ typedef struct search {
     int32_t group;
     int n_ways; /* unit directions of edges at a node on a curve or corner */
     const double (*way)[3];
+    const pl_fit_sides *sides; /* of these edges; or of a corner */
 } search;
 
 /** All closed pieces are group 0; others are groups by themselves. */
@@ -87,19 +89,35 @@ static double square_of_edge(const void *context, int32_t edge, const double poi
     const planish_shape *onto = s->fit->onto;
     const double *a = onto->x[onto->edge[edge][0]], *b = onto->x[onto->edge[edge][1]];
     double along[3], weight[2] = {1, 0};
-    int is_along = 0;
+    pl_fit_sides sides;
+    int is_known = 0, is_alike = 0;
     pl_from_to(3, a, b, along);
     const double length = pl_length(along);
-    for (int i = 0; i < s->n_ways; i++)
-        is_along |= fabs(pl_dot(3, along, s->way[i])) >= ALONG * length;
-    return is_along ? pl_nearest_on_edge(point, a, b, weight) : INFINITY;
+    for (int i = 0; i < s->n_ways && !is_alike; i++) {
+        if (!(fabs(pl_dot(3, along, s->way[i])) >= ALONG * length))
+            continue;
+        if (!is_known)
+            pl_fit_look_at_edge(onto, s->fit->turn, edge, &sides);
+        is_known = 1;
+        is_alike = pl_fit_are_alike(&s->sides[i], &sides, ALIKE);
+    }
+    return is_alike ? pl_nearest_on_edge(point, a, b, weight) : INFINITY;
 }
 
 static double square_of_corner(const void *context, int32_t node, const double point[3]) {
     const search *s = context;
+    const planish_shape *onto = s->fit->onto;
+    pl_fit_sides sides;
     double way[3];
-    pl_from_to(3, s->fit->onto->x[node], point, way);
-    return s->fit->onto->node_class[node] == PL_CORNER ? pl_dot(3, way, way) : INFINITY;
+    if (onto->node_class[node] != PL_CORNER)
+        return INFINITY;
+    if (s->sides) {
+        pl_fit_look_at_node(onto, s->fit->turn, node, &sides);
+        if (!pl_fit_are_alike(s->sides, &sides, ALIKE))
+            return INFINITY;
+    }
+    pl_from_to(3, onto->x[node], point, way);
+    return pl_dot(3, way, way);
 }
 
 /* ---- trees ----------------------------------------------------------------------------------- */
@@ -194,17 +212,28 @@ static void free_features(features *f) {
     pl_free(f->length);
 }
 
-/** Compute the directions of some features at a node: way [MOST_WAYS]. Returns how many. */
 enum { MOST_WAYS = 8 };
-static int ways_at(const planish_shape *own, const features *f, int32_t node, double (*way)[3]) {
-    int n = 0;
-    for (int64_t i = f->offset[node]; i < f->offset[node + 1] && n < MOST_WAYS; i++) {
+
+/** Some features at a node. */
+typedef struct features_at {
+    int n;
+    double way[MOST_WAYS][3]; /* of unit length */
+    pl_fit_sides sides[MOST_WAYS];
+} features_at;
+
+/** Look at the features at a node. */
+static void look_at_features(const planish_shape *own, const features *f, int32_t node,
+                             features_at *at) {
+    at->n = 0;
+    for (int64_t i = f->offset[node]; i < f->offset[node + 1] && at->n < MOST_WAYS; i++) {
         const int32_t *end = own->edge[f->edge[i]];
         double along[3];
         pl_from_to(3, own->x[end[0]], own->x[end[1]], along);
-        n += pl_unit(3, along, way[n]);
+        if (!pl_unit(3, along, at->way[at->n]))
+            continue;
+        pl_fit_look_at_edge(own, NULL, f->edge[i], &at->sides[at->n]);
+        at->n++;
     }
-    return n;
 }
 
 /* ---- places ---------------------------------------------------------------------------------- */
@@ -295,10 +324,15 @@ static void find_turns(const finding *g, double (*sum)[2]) {
  *  to the corner. Edges along which no curve is in reach do not count; infinite: none is along any. */
 static double off_curves(const finding *g, int32_t node) {
     const planish_fit *fit = g->fit;
-    double x[3], way[MOST_WAYS][3], most = -1;
-    const int n_ways = ways_at(fit->own, &g->features, node, way);
-    for (int i = 0; i < n_ways; i++) {
-        const search s = {.fit = fit, .patch = -1, .way = (const double(*)[3])way + i, .n_ways = 1};
+    double x[3], most = -1;
+    features_at own;
+    look_at_features(fit->own, &g->features, node, &own);
+    for (int i = 0; i < own.n; i++) {
+        const search s = {.fit = fit,
+                          .patch = -1,
+                          .way = (const double(*)[3])own.way + i,
+                          .n_ways = 1,
+                          .sides = own.sides + i};
         double square = reach_of_features(g, node, x);
         if (nearest(&fit->edges, x, square_of_edge, &s, &square) >= 0)
             most = fmax(most, sqrt(square));
@@ -310,15 +344,19 @@ static double off_curves(const finding *g, int32_t node) {
  *  it has one of its own, which is on the other curve and far from its corners. */
 static int32_t find_corner(const finding *g, int32_t node, double *square) {
     const planish_fit *fit = g->fit;
-    const search s = {.fit = fit};
+    const search any = {.fit = fit};
+    pl_fit_sides sides;
+    const search alike = {.fit = fit, .sides = &sides};
     const double near = CORNER_EDGES * fit->own->edge_length[node] / fit->to_own;
     double x[3];
     *square = reach_of_features(g, node, x);
-    const int32_t at = nearest(&fit->corners, x, square_of_corner, &s, square);
-    if (at < 0)
+    if (nearest(&fit->corners, x, square_of_corner, &any, square) < 0)
         return -1;
     fit->is_cut[node] = g->features.offset[node + 1] - g->features.offset[node] > 2;
-    return sqrt(*square) > near + CORNER_CURVES * off_curves(g, node) ? -1 : at;
+    *square = reach_of_features(g, node, x);
+    pl_fit_look_at_node(fit->own, NULL, node, &sides);
+    const int32_t at = nearest(&fit->corners, x, square_of_corner, &alike, square);
+    return at < 0 || sqrt(*square) > near + CORNER_CURVES * off_curves(g, node) ? -1 : at;
 }
 
 static void look_for_corners(void *context, int64_t begin, int64_t end, int thread) {
@@ -370,11 +408,14 @@ static void set_place(planish_fit *fit, int32_t node, int kind, int32_t at, cons
  *  its own curves. */
 static int32_t find_edge(const finding *g, int32_t node, int *n_ways, double x[3]) {
     const planish_fit *fit = g->fit;
-    double way[MOST_WAYS][3], normal[3];
+    double normal[3];
+    features_at own = {.n = 0};
     double square = reach_of_features(g, node, x);
-    *n_ways =
-        fit->own->node_class[node] == PL_ON_PATCH ? 0 : ways_at(fit->own, &g->features, node, way);
-    const search s = {.fit = fit, .way = (const double(*)[3])way, .n_ways = *n_ways};
+    if (fit->own->node_class[node] != PL_ON_PATCH)
+        look_at_features(fit->own, &g->features, node, &own);
+    *n_ways = own.n;
+    const search s = {
+        .fit = fit, .way = (const double(*)[3])own.way, .n_ways = own.n, .sides = own.sides};
     const int32_t at = *n_ways > 0 ? nearest(&fit->edges, x, square_of_edge, &s, &square) : -1;
     if (at < 0 || !normal_at(fit->own, node, normal))
         return at;

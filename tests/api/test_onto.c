@@ -298,6 +298,25 @@ static void test_flat(void **state) {
     }
 }
 
+/** Rims and corners of a thin plate keep their sides, though the other ones are nearer. */
+static void test_plate(void **state) {
+    (void)state;
+    const double stretch[3] = {1, 1, 0.1};
+    for (int i = 0; i < 4; i++) {
+        const double shift[3] = {0, 0, i % 2 ? 0.12 : 0.17};
+        fitted t;
+        make_fitted(i < 2, BLOCK_CUBE, 6, 1, 0, &t);
+        block_stretch(&t.b, stretch);
+        block_target_create(BLOCK_CUBE, 2, 1, i < 2, &t.fine);
+        block_target_place(&t.fine, stretch, shift);
+        fit_one("thin plate", 0, &t);
+        assert_int_equal(t.o.before.n_on_corner, 8);
+        assert_int_equal(t.o.before.n_on_curve, 12 * 5);
+        assert_true(t.o.before.farthest < shift[2] + 1e-12);
+        free_fitted(&t);
+    }
+}
+
 /** Make a roof of a cube: both upper edges along x are one. */
 static void make_roof(block_target *s) {
     block_target_create(BLOCK_CUBE, 1, 1, 0, s);
@@ -837,6 +856,7 @@ int main(void) {
         cmocka_unit_test(test_curved_other),
         cmocka_unit_test(test_stretched),
         cmocka_unit_test(test_cut),
+        cmocka_unit_test(test_plate),
         cmocka_unit_test(test_flat),
         cmocka_unit_test(test_threads),
         cmocka_unit_test(test_stop),
