@@ -317,6 +317,30 @@ static void test_plate(void **state) {
     }
 }
 
+/** Sizes of which squares are no numbers change nothing but the unit. */
+static void test_units(void **state) {
+    (void)state;
+    const double unit[] = {1, 0x1p-540, 0x1p600}, none[3] = {0, 0, 0};
+    planish_fit_info info[3];
+    for (int i = 0; i < 3; i++) {
+        fitted t;
+        planish_fit *f;
+        const double stretch[3] = {unit[i], unit[i], unit[i]};
+        make_fitted(1, BLOCK_BALL, 4, 0.95, 0, &t);
+        block_stretch(&t.b, stretch);
+        block_target_create(BLOCK_BALL, 8, 1, 0, &t.fine);
+        block_target_place(&t.fine, stretch, none);
+        assert_int_equal(
+            planish_fit_create(&t.b.mesh, t.b.shape, t.fine.shape, 0, NULL, &f, &info[i], NULL), 0);
+        info[i].farthest /= unit[i];
+        assert_memory_equal(&info[i], &info[0], sizeof *info);
+        planish_fit_destroy(f);
+        block_destroy(&t.b);
+        block_target_destroy(&t.fine);
+    }
+    assert_true(info[0].n_off > 0 && info[0].farthest > 0.01);
+}
+
 /** Make a roof of a cube: both upper edges along x are one. */
 static void make_roof(block_target *s) {
     block_target_create(BLOCK_CUBE, 1, 1, 0, s);
@@ -856,6 +880,7 @@ int main(void) {
         cmocka_unit_test(test_curved_other),
         cmocka_unit_test(test_stretched),
         cmocka_unit_test(test_cut),
+        cmocka_unit_test(test_units),
         cmocka_unit_test(test_plate),
         cmocka_unit_test(test_flat),
         cmocka_unit_test(test_threads),
