@@ -21,6 +21,15 @@ static const double USUAL_REACH = 3;
 
 /* ---- create ---------------------------------------------------------------------------------- */
 
+/** Whether a facet of the outside has an area. */
+static int has_area(const planish_shape *shape) {
+    for (int32_t f = 0; f < shape->n_facets; f++)
+        if (pl_fit_is_outer(shape, f) &&
+            (shape->normal[f][0] != 0 || shape->normal[f][1] != 0 || shape->normal[f][2] != 0))
+            return 1;
+    return 0;
+}
+
 static int check_fit(const planish_mesh *mesh, const planish_shape *shape,
                      const planish_shape *onto, double reach, planish_error *error) {
     int status = pl_check_counts(mesh, error);
@@ -43,6 +52,9 @@ static int check_fit(const planish_mesh *mesh, const planish_shape *shape,
                        shape->n_mesh, mesh->n_nodes);
     if (onto->n_facets == 0)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "onto has no facets: give a surface");
+    if (!has_area(onto))
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "onto has no facet with an area: give a surface");
     return reach >= 0 ? PLANISH_OK
                       : pl_fail(error, PLANISH_ERROR_ARGUMENT,
                                 "reach is %g mean edges; give a positive number, or 0", reach);

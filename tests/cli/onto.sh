@@ -162,6 +162,27 @@ expect_text "are not on half.mesh yet"
 expect_json 'r["certified"] and 0 < r["surface"]["off"] <= 152 and r["surface"]["farthest"] > 0.1'
 expect_json 'r["surface"]["distance"] >= r["surface"]["farthest"] * 0.99'
 
+# Nodes without a place, as there is none below: that is no success.
+cat >lid.off <<'LID'
+OFF
+4 2 0
+-0.7 -0.7 0.75
+0.7 -0.7 0.75
+0.7 0.7 0.75
+-0.7 0.7 0.75
+3 0 1 2
+3 0 2 3
+LID
+expect_status 1 "$program" smooth cube.mesh --onto lid.off -o lid.mesh --json report.json
+tr '\n' ' ' <err >text
+grep -q "lid.mesh: .*[0-9] nodes of the surface have no place on lid.off" text || { fail "no place is no success"; cat err; }
+tr '\n' ' ' <out >text
+grep -q "of 98 nodes .* 0 not yet, [0-9]* have no place there" text || { fail "the table counts nodes without a place"; cat out; }
+sed 's/^-*0.7 -*0.7 0.75/0.5 0.5 0.75/' lid.off >point.off
+expect_status 2 "$program" smooth cube.mesh --onto point.off -o no.mesh
+expect_one_line
+expect_text "no facet with an area"
+
 # What is refused, in one line.
 expect_status 2 "$program" smooth coarse.mesh --onto huge.mesh -o no.mesh
 expect_one_line
