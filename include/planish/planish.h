@@ -809,7 +809,11 @@ typedef struct planish_fit_info {
     int64_t n_off;          /* nodes that are not at their places yet */
     double farthest; /* largest distance of a node from its place, in units of the coordinates */
     int64_t n_cut; /* corners of three curves or more that have no corner, though one is in reach */
-    int64_t reserved[7];
+    int64_t
+        n_unclear; /* of n_out_of_reach: several pieces of the surface would cover the same one, and are held */
+    int64_t
+        n_unused; /* pieces of the other surface, each joined by edges, where no node has a place */
+    int64_t reserved[5];
 } planish_fit_info;
 
 /** Find the places of the boundary nodes of mesh on the shape onto. mesh has solids of order 1, and

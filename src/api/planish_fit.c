@@ -62,12 +62,13 @@ static int check_fit(const planish_mesh *mesh, const planish_shape *shape,
 
 /** Count the nodes of a fit. */
 static void describe(const planish_fit *fit, planish_fit_info *info) {
-    *info = (planish_fit_info){.n_nodes = 0};
+    *info = (planish_fit_info){.n_unused = fit->n_unused};
     for (int64_t i = 0; i < fit->n_nodes; i++) {
         const int is_placed = fit->state[i] == PL_FIT_PLACED;
         info->n_nodes += fit->state[i] != PL_FIT_INSIDE;
         info->n_held += fit->state[i] == PL_FIT_HELD;
-        info->n_out_of_reach += fit->state[i] == PL_FIT_FAR;
+        info->n_unclear += fit->state[i] == PL_FIT_UNCLEAR;
+        info->n_out_of_reach += fit->state[i] == PL_FIT_FAR || fit->state[i] == PL_FIT_UNCLEAR;
         info->n_cut += is_placed && fit->is_cut[i];
         info->n_on_patch += is_placed && fit->kind[i] == PL_ON_PATCH;
         info->n_on_curve += is_placed && fit->kind[i] == PL_ON_CURVE;
@@ -112,7 +113,7 @@ static int create(const planish_mesh *mesh, planish_fit *fit, planish_fit_info *
         const pl_points points = pl_points_of(&dense.mesh, dense.mesh.coordinates);
         status = pl_fit_find_places(fit, &points, error);
         describe(fit, info);
-        if (!status && info->n_out_of_reach > 0 &&
+        if (!status && info->n_out_of_reach > 0 && info->n_unclear == 0 &&
             info->n_out_of_reach + info->n_held == info->n_nodes)
             status = complain_of_reach(fit, error);
         if (!status)

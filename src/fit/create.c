@@ -231,6 +231,11 @@ void pl_fit_destroy(planish_fit *fit) {
     pl_free(fit->goal);
     pl_free(fit->direction);
     pl_fit_free_pieces(&fit->pieces);
+    pl_fit_free_pieces(&fit->own_pieces);
+    pl_free(fit->piece_of);
+    pl_free(fit->partner);
+    pl_free(fit->is_taken);
+    pl_free(fit->covered);
     pl_free(fit->turn);
     pl_free(fit->is_corner);
     pl_tree_destroy(&fit->facets);

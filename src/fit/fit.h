@@ -6,6 +6,7 @@
  *
  *   create.h     pl_fit_create, _destroy      the nodes, and the elements around them
  *   pieces.h     pl_fit_find_pieces           what the outside of a shape consists of
+ *   partners.h   pl_fit_find_partners         which piece is for which
  *   sides.h      pl_fit_are_alike             features by what they bound
  *   places.h     pl_fit_find_places           the other shape's places of the nodes
  *                pl_fit_project               the place near a point
@@ -28,7 +29,8 @@ enum {
     PL_FIT_INSIDE = 0, /* it is at no facet of the boundary */
     PL_FIT_HELD = 1,   /* the caller holds it, or an element of it does */
     PL_FIT_FAR = 2,    /* the other shape is out of its reach */
-    PL_FIT_PLACED = 3  /* it has a place */
+    PL_FIT_PLACED = 3, /* it has a place */
+    PL_FIT_UNCLEAR = 4 /* it has one where other nodes have theirs, too */
 };
 
 enum { PL_FIT_TYPES = 4 /* of solids */ };
@@ -70,7 +72,13 @@ struct planish_fit {
     double (*goal)[3];      /* [n_nodes] the place, in the mesh's units */
     double (*direction)[3]; /* [n_nodes] normal there, out of the mesh; or tangent */
     pl_fit_pieces pieces;   /* of onto */
-    int8_t *turn;           /* [patches of onto] -1: its facets turn into the mesh */
+    pl_fit_pieces own_pieces;
+    int32_t *piece_of; /* [n_nodes] of own; -1: none */
+    int32_t *partner;  /* [own_pieces] the piece of onto for each; -1: it may use all */
+    uint8_t *is_taken; /* [pieces] 1: it is the partner of one; 2: of several */
+    double *covered;   /* [pieces] area of the facets of those there */
+    int64_t n_unused;  /* pieces where no node has a place */
+    int8_t *turn;      /* [patches of onto] -1: its facets turn into the mesh */
     int64_t n_turns;
     uint8_t *is_corner;             /* [nodes of onto] 1: curves end there */
     pl_tree facets, edges, corners; /* of onto */

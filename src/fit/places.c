@@ -13,6 +13,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
+#include "fit/partners.h"
 #include "fit/pieces.h"
 #include "fit/sides.h"
 #include "shape/nearest.h"
@@ -52,7 +53,8 @@ typedef struct search {
     int32_t patch;        /* -1: any */
     int sign;             /* if not 0: pieces of a group turn so */
     int32_t group;
-    int n_ways; /* unit directions of edges at a node on a curve or corner */
+    int32_t partner; /* piece of the node's piece, plus 1; 0: any */
+    int n_ways;      /* unit directions of edges at a node on a curve or corner */
     const double (*way)[3];
     const pl_fit_sides *sides; /* of these edges; or of a corner */
 } search;
@@ -78,10 +80,20 @@ static double square_of_facet(const void *context, int32_t facet, const double p
     double weight[3] = {1, 0, 0}, normal[3];
     pl_kept_normal(onto, facet, normal);
     if (onto->is_interface[facet] || (s->patch >= 0 && patch != s->patch) ||
+        !pl_fit_may_use(s->fit, s->partner, s->fit->pieces.of[facet]) ||
         (s->sign && group_of(s->fit, facet) != s->group) ||
         (s->normal && !(turn_of(s, facet) * pl_dot(3, s->normal, normal) >= s->alike)))
         return INFINITY;
     return pl_nearest_on_triangle(point, x, weight);
+}
+
+/** Whether a search is for the piece of one of some facets. */
+static int is_for(const search *s, const int32_t *facet, int64_t n) {
+    int any = s->partner == 0;
+    for (int64_t i = 0; i < n && !any; i++)
+        any = facet[i] >= 0 && s->fit->pieces.of[facet[i]] >= 0 &&
+              pl_fit_may_use(s->fit, s->partner, s->fit->pieces.of[facet[i]]);
+    return any;
 }
 
 static double square_of_edge(const void *context, int32_t edge, const double point[3]) {
@@ -101,7 +113,9 @@ static double square_of_edge(const void *context, int32_t edge, const double poi
         is_known = 1;
         is_alike = pl_fit_are_alike(&s->sides[i], &sides, ALIKE);
     }
-    return is_alike ? pl_nearest_on_edge(point, a, b, weight) : INFINITY;
+    return is_alike && is_for(s, onto->edge_facet[edge], 2)
+               ? pl_nearest_on_edge(point, a, b, weight)
+               : INFINITY;
 }
 
 static double square_of_corner(const void *context, int32_t node, const double point[3]) {
@@ -109,7 +123,9 @@ static double square_of_corner(const void *context, int32_t node, const double p
     const planish_shape *onto = s->fit->onto;
     pl_fit_sides sides;
     double way[3];
-    if (onto->node_class[node] != PL_CORNER)
+    if (onto->node_class[node] != PL_CORNER ||
+        !is_for(s, onto->facet_of + onto->offset[node],
+                (int64_t)onto->offset[node + 1] - onto->offset[node]))
         return INFINITY;
     if (s->sides) {
         pl_fit_look_at_node(onto, s->fit->turn, node, &sides);
@@ -278,7 +294,7 @@ static void look_for_turns(void *context, int64_t begin, int64_t end, int thread
         double x[3], normal[3], square = reach_of(g, (int32_t)i, x);
         const double most = WIDER * WIDER * square;
         const int is_asked =
-            fit->state[i] == PL_FIT_PLACED && normal_at(fit->own, (int32_t)i, normal);
+            fit->state[i] != PL_FIT_INSIDE && normal_at(fit->own, (int32_t)i, normal);
         g->near[i] = is_asked ? nearest(&fit->facets, x, square_of_facet, &s, &square) : -1;
         if (g->near[i] < 0)
             continue;
@@ -332,7 +348,8 @@ static double off_curves(const finding *g, int32_t node) {
                           .patch = -1,
                           .way = (const double(*)[3])own.way + i,
                           .n_ways = 1,
-                          .sides = own.sides + i};
+                          .sides = own.sides + i,
+                          .partner = pl_fit_partner_of(fit, node)};
         double square = reach_of_features(g, node, x);
         if (nearest(&fit->edges, x, square_of_edge, &s, &square) >= 0)
             most = fmax(most, sqrt(square));
@@ -346,7 +363,7 @@ static int32_t find_corner(const finding *g, int32_t node, double *square) {
     const planish_fit *fit = g->fit;
     const search any = {.fit = fit};
     pl_fit_sides sides;
-    const search alike = {.fit = fit, .sides = &sides};
+    const search alike = {.fit = fit, .sides = &sides, .partner = pl_fit_partner_of(fit, node)};
     const double near = CORNER_EDGES * fit->own->edge_length[node] / fit->to_own;
     double x[3];
     *square = reach_of_features(g, node, x);
@@ -414,13 +431,20 @@ static int32_t find_edge(const finding *g, int32_t node, int *n_ways, double x[3
     if (fit->own->node_class[node] != PL_ON_PATCH)
         look_at_features(fit->own, &g->features, node, &own);
     *n_ways = own.n;
-    const search s = {
-        .fit = fit, .way = (const double(*)[3])own.way, .n_ways = own.n, .sides = own.sides};
+    const search s = {.fit = fit,
+                      .way = (const double(*)[3])own.way,
+                      .n_ways = own.n,
+                      .sides = own.sides,
+                      .partner = pl_fit_partner_of(fit, node)};
     const int32_t at = *n_ways > 0 ? nearest(&fit->edges, x, square_of_edge, &s, &square) : -1;
     if (at < 0 || !normal_at(fit->own, node, normal))
         return at;
     const double off = sqrt(square) - CURVE_EDGES * fit->own->edge_length[node] / fit->to_own;
-    const search same = {.fit = fit, .patch = -1, .normal = normal, .alike = SAME};
+    const search same = {.fit = fit,
+                         .patch = -1,
+                         .normal = normal,
+                         .alike = SAME,
+                         .partner = pl_fit_partner_of(fit, node)};
     square = off * off / (CURVE_PATCHES * CURVE_PATCHES);
     return off > 0 && nearest(&fit->facets, x, square_of_facet, &same, &square) >= 0 ? -1 : at;
 }
@@ -440,7 +464,8 @@ static void find_place(const finding *g, int32_t node) {
     const search s = {.fit = fit,
                       .patch = -1,
                       .normal = normal_at(fit->own, node, normal) ? normal : NULL,
-                      .alike = ALIKE};
+                      .alike = ALIKE,
+                      .partner = pl_fit_partner_of(fit, node)};
     at = nearest(&fit->facets, x, square_of_facet, &s, &square);
     if (at >= 0)
         set_place(fit, node, PL_ON_PATCH, at, x);
@@ -490,6 +515,20 @@ static int plant_all(planish_fit *fit, planish_error *error) {
     return status;
 }
 
+/** Find the places of all nodes; winner [nodes of onto]: room. */
+static void find_all(finding *g, int32_t *winner) {
+    planish_fit *fit = g->fit;
+    for (int64_t i = 0; i < fit->n_nodes; i++) {
+        fit->place[i].at = -1;
+        fit->is_cut[i] = fit->slides[i] = 0;
+        if (fit->state[i] == PL_FIT_FAR)
+            fit->state[i] = PL_FIT_PLACED;
+    }
+    pl_parallel_for(fit->threads, fit->n_nodes, CHUNK, look_for_corners, g);
+    give_corners(g, winner);
+    pl_parallel_for(fit->threads, fit->n_nodes, CHUNK, find_places, g);
+}
+
 int pl_fit_find_places(planish_fit *fit, const pl_points *points, planish_error *error) {
     const planish_shape *onto = fit->onto;
     finding g = {.fit = fit, .points = points};
@@ -516,15 +555,18 @@ int pl_fit_find_places(planish_fit *fit, const pl_points *points, planish_error 
         for (int64_t e = 0; e < 2 * onto->n_edges; e++)
             fit->is_corner[onto->edge[e / 2][e % 2]] =
                 onto->node_class[onto->edge[e / 2][e % 2]] == PL_CORNER;
-        for (int64_t i = 0; i < fit->n_nodes; i++)
-            fit->place[i].at = -1;
         memset(fit->turn, 1, (size_t)fit->n_turns);
         pl_parallel_for(fit->threads, fit->n_nodes, CHUNK, look_for_turns, &g);
         find_turns(&g, sum);
-        pl_parallel_for(fit->threads, fit->n_nodes, CHUNK, look_for_corners, &g);
-        give_corners(&g, winner);
-        pl_parallel_for(fit->threads, fit->n_nodes, CHUNK, find_places, &g);
+        find_all(&g, winner);
+        status = pl_fit_find_partners(fit, error);
     }
+    if (!status && pl_fit_has_strays(fit)) {
+        find_all(&g, winner);
+        status = pl_fit_find_partners(fit, error);
+    }
+    if (!status)
+        pl_fit_hold_doubled(fit);
     pl_free(g.near);
     pl_free(g.square);
     free_features(&g.features);

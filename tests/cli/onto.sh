@@ -3,12 +3,14 @@
 . "$(dirname "$0")/common.sh"
 
 # Cubes of N cells along each side as hexahedra or tetrahedra (solid), or their surface as triangles (surface), in a
-# form of a size; for a Medit file.
+# form of a size, lifted; for a Medit file. Two: two plates with a gap; lower: the lower one.
 cat >make.py <<'END'
 import itertools
 import sys
 
 what, form, n, size = sys.argv[1], sys.argv[2], int(sys.argv[3]), float(sys.argv[4])
+lift = float(sys.argv[5]) if len(sys.argv) > 5 else 0
+layers = {"two": (0, 1, 3, 4), "lower": (0, 1)}.get(form, range(n))
 FACE = [(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)]
 number, points = {}, []
 
@@ -19,13 +21,13 @@ def node(at):
         if form == "ball":
             u, v, w = (a * (1 - b * b / 2 - c * c / 2 + b * b * c * c / 3) ** 0.5
                        for a, b, c in ((u, v, w), (v, w, u), (w, u, v)))
-        points.append([size * c for c in (u, v, w)])
+        points.append([size * u, size * v, size * w + lift])
         number[at] = len(points)
     return number[at]
 
 
 hexes, triangles = [], []
-for i, j, k in itertools.product(range(n), repeat=3):
+for i, j, k in itertools.product(range(n), range(n), layers):
     at = [(i, j, k), (i + 1, j, k), (i + 1, j + 1, k), (i, j + 1, k)]
     at += [(a, b, c + 1) for a, b, c in at]
     for face in FACE:
@@ -161,6 +163,22 @@ expect_status 1 "$program" smooth held.mesh --onto half.mesh -o held-out.mesh --
 expect_text "are not on half.mesh yet"
 expect_json 'r["certified"] and 0 < r["surface"]["off"] <= 152 and r["surface"]["farthest"] > 0.1'
 expect_json 'r["surface"]["distance"] >= r["surface"]["farthest"] * 0.99'
+
+# Two plates go to two plates that are higher by more than the gap; not both to one.
+python3 make.py tets two 5 0.7 >two.mesh
+python3 make.py tets two 5 0.7 0.35 >two-higher.mesh
+python3 make.py tets lower 5 0.7 0.2 >one.mesh
+expect_status 0 "$program" smooth two.mesh --onto two-higher.mesh -o two-out.mesh --json report.json
+expect_json 'r["surface"]["on_corners"] == 16 and r["surface"]["unclear"] == r["surface"]["unused_pieces"] == 0'
+expect_json '0.3499 < r["surface"]["farthest_before"] < 0.3501 and r["surface"]["distance_back"] < 0.001'
+expect_status 1 "$program" smooth two.mesh --onto one.mesh -o two-out.mesh --json report.json
+tr '\n' ' ' <err >text
+grep -q "nodes of the surface stay: several pieces of it are nearest to the same one of one.mesh" text || { fail "what is unclear is said"; cat err; }
+expect_json 'r["surface"]["unclear"] == r["surface"]["nodes"] == r["surface"]["out_of_reach"] == 184'
+expect_status 0 "$program" smooth one.mesh --onto two-higher.mesh -o one-out.mesh --json report.json
+tr '\n' ' ' <err >text
+grep -q "1 piece of two-higher.mesh has no node of the mesh" text || { fail "pieces without nodes are said"; cat err; }
+expect_json 'r["surface"]["unused_pieces"] == 1 and r["surface"]["off"] == 0'
 
 # Nodes without a place, as there is none below: that is no success.
 cat >lid.off <<'LID'

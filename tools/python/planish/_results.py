@@ -230,7 +230,9 @@ class FitInfo(Printed):
     n_off: Int64
     farthest: Double
     n_cut: Int64
-    reserved: Annotated[Any, c_int64 * 7]
+    n_unclear: Int64
+    n_unused: Int64
+    reserved: Annotated[Any, c_int64 * 5]
 
 
 @fields
