@@ -233,6 +233,7 @@ void pl_fit_destroy(planish_fit *fit) {
     pl_fit_free_pieces(&fit->pieces);
     pl_fit_free_pieces(&fit->own_pieces);
     pl_free(fit->piece_of);
+    pl_free(fit->side);
     pl_free(fit->partner);
     pl_free(fit->is_taken);
     pl_free(fit->covered);

@@ -48,9 +48,10 @@ typedef struct pl_fit_pieces {
     int32_t *of;        /* [facets] piece of each; -1: it is not of the outside */
     int32_t *first;     /* [n] its lowest facet */
     uint8_t *is_closed; /* [n] 1: it has a border nowhere */
-    int8_t *turn;       /* [n] -1: its facets turn into the body, if it is closed */
-    double *area;       /* [n] */
-    pl_box3 *box;       /* [n] */
+    int8_t *outward; /* [n] -1: its facets turn into the room that it encloses, if it is closed */
+    int8_t *turn;    /* [n] -1: they turn into the body, if it is closed */
+    double *area;    /* [n] */
+    pl_box3 *box;    /* [n] */
 } pl_fit_pieces;
 
 /** A fit. Nodes have the numbers of the mesh's own shape, which is not owned, nor is the other one.
@@ -74,6 +75,7 @@ struct planish_fit {
     pl_fit_pieces pieces;   /* of onto */
     pl_fit_pieces own_pieces;
     int32_t *piece_of; /* [n_nodes] of own; -1: none */
+    int8_t *side;      /* [pieces] -1: closed ones, as turn says, have the mesh outside */
     int32_t *partner;  /* [own_pieces] the piece of onto for each; -1: it may use all */
     uint8_t *is_taken; /* [pieces] 1: it is the partner of one; 2: of several */
     double *covered;   /* [pieces] area of the facets of those there */

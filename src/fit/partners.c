@@ -113,47 +113,59 @@ static void choose_partners(planish_fit *fit, const covering *list, int64_t n) {
     }
 }
 
-static int allocate(planish_fit *fit, planish_error *error) {
-    const planish_shape *own = fit->own;
-    int status = pl_fit_find_pieces(own, &fit->own_pieces, error);
+int pl_fit_begin_partners(planish_fit *fit, planish_error *error) {
+    const planish_shape *own = fit->own, *onto = fit->onto;
+    const pl_fit_pieces *pieces = &fit->pieces;
+    const int status = pl_fit_find_pieces(own, &fit->own_pieces, error);
     if (status)
         return status;
     fit->piece_of = pl_alloc(fit->n_nodes, sizeof *fit->piece_of);
     fit->partner = pl_alloc(fit->own_pieces.n, sizeof *fit->partner);
-    fit->is_taken = pl_alloc(fit->pieces.n, sizeof *fit->is_taken);
-    fit->covered = pl_alloc(fit->pieces.n, sizeof *fit->covered);
-    if (!fit->piece_of || !fit->partner || !fit->is_taken || !fit->covered)
+    fit->side = pl_alloc(pieces->n, sizeof *fit->side);
+    fit->is_taken = pl_alloc_zero(pieces->n, sizeof *fit->is_taken);
+    fit->covered = pl_alloc(pieces->n, sizeof *fit->covered);
+    if (!fit->piece_of || !fit->partner || !fit->side || !fit->is_taken || !fit->covered)
         return pl_fail_memory(error, "the pieces of a fit");
-    memset(fit->piece_of, -1, (size_t)fit->n_nodes * sizeof *fit->piece_of);
-    for (int32_t f = own->n_facets > 0 ? (int32_t)own->n_facets - 1 : -1; f >= 0; f--)
+    for (int32_t i = 0; i < fit->own_pieces.n; i++)
+        fit->partner[i] = -1;
+    for (int32_t i = 0; i < pieces->n; i++)
+        fit->side[i] = (int8_t)(pieces->outward[i] * fit->turn[onto->patch[pieces->first[i]]]);
+    for (int64_t i = 0; i < fit->n_nodes; i++)
+        fit->piece_of[i] = -1;
+    for (int64_t f = own->n_facets - 1; f >= 0; f--)
         for (int k = 0; k < 3 && fit->own_pieces.of[f] >= 0; k++)
             fit->piece_of[own->facet[f][k]] = fit->own_pieces.of[f];
-    return status;
+    return PLANISH_OK;
 }
 
 int pl_fit_find_partners(planish_fit *fit, planish_error *error) {
-    int status = fit->piece_of ? PLANISH_OK : allocate(fit, error);
-    covering *list = status ? NULL : pl_alloc(fit->own->n_facets, sizeof *list);
-    if (!status && !list)
-        status = pl_fail_memory(error, "the pieces of a fit");
-    if (!status)
-        choose_partners(fit, list, list_coverings(fit, list));
+    covering *list = pl_alloc(fit->own->n_facets, sizeof *list);
+    if (!list)
+        return pl_fail_memory(error, "the pieces of a fit");
+    choose_partners(fit, list, list_coverings(fit, list));
     pl_free(list);
-    return status;
+    return PLANISH_OK;
 }
 
-int32_t pl_fit_partner_of(const planish_fit *fit, int32_t node) {
-    return fit->piece_of && fit->piece_of[node] >= 0 ? fit->partner[fit->piece_of[node]] + 1 : 0;
+int32_t pl_fit_piece_of(const planish_fit *fit, int32_t node) {
+    return fit->piece_of[node] + 1;
 }
 
-int pl_fit_may_use(const planish_fit *fit, int32_t partner, int32_t piece) {
-    return partner == 0 || partner == piece + 1 || (piece >= 0 && !fit->is_taken[piece]);
+int pl_fit_may_use(const planish_fit *fit, int32_t own, int32_t piece) {
+    const pl_fit_pieces *ours = &fit->own_pieces, *theirs = &fit->pieces;
+    if (own == 0 || piece < 0)
+        return own == 0;
+    if (ours->is_closed[own - 1] && theirs->is_closed[piece] &&
+        ours->outward[own - 1] != fit->side[piece])
+        return 0;
+    const int32_t partner = fit->partner[own - 1];
+    return partner < 0 || partner == piece || !fit->is_taken[piece];
 }
 
 int pl_fit_has_strays(const planish_fit *fit) {
     for (int32_t i = 0; i < fit->n_nodes; i++)
         if (fit->state[i] == PL_FIT_PLACED &&
-            !pl_fit_may_use(fit, pl_fit_partner_of(fit, i), pl_fit_piece_at(fit, i)))
+            !pl_fit_may_use(fit, pl_fit_piece_of(fit, i), pl_fit_piece_at(fit, i)))
             return 1;
     return 0;
 }
@@ -162,7 +174,7 @@ void pl_fit_hold_doubled(planish_fit *fit) {
     const pl_fit_pieces *pieces = &fit->pieces;
     uint8_t *is_used = fit->is_taken;
     for (int32_t i = 0; i < fit->n_nodes; i++) {
-        const int32_t partner = pl_fit_partner_of(fit, i) - 1;
+        const int32_t partner = fit->piece_of[i] >= 0 ? fit->partner[fit->piece_of[i]] : -1;
         if (fit->state[i] == PL_FIT_PLACED && partner >= 0 && fit->is_taken[partner] == 2 &&
             fit->covered[partner] > COVER * pieces->area[partner])
             fit->state[i] = PL_FIT_UNCLEAR;

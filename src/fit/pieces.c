@@ -127,7 +127,7 @@ static void measure_pieces(const planish_shape *s, pl_fit_pieces *pieces, double
     }
     for (int32_t i = 0; i < pieces->n; i++) {
         pieces->is_closed[i] = pieces->is_closed[i] && volume[i] != 0;
-        pieces->turn[i] = pieces->is_closed[i] && volume[i] < 0 ? -1 : 1;
+        pieces->turn[i] = pieces->outward[i] = pieces->is_closed[i] && volume[i] < 0 ? -1 : 1;
     }
 }
 
@@ -236,11 +236,12 @@ int pl_fit_find_pieces(const planish_shape *s, pl_fit_pieces *pieces, planish_er
         volume = pl_alloc(pieces->n, sizeof *volume);
         pieces->first = pl_alloc(pieces->n, sizeof *pieces->first);
         pieces->is_closed = pl_alloc(pieces->n, 1);
+        pieces->outward = pl_alloc(pieces->n, 1);
         pieces->turn = pl_alloc(pieces->n, 1);
         pieces->area = pl_alloc_zero(pieces->n, sizeof *pieces->area);
         pieces->box = pl_alloc(pieces->n, sizeof *pieces->box);
-        have = volume && pieces->first && pieces->is_closed && pieces->turn && pieces->area &&
-               pieces->box;
+        have = volume && pieces->first && pieces->is_closed && pieces->outward && pieces->turn &&
+               pieces->area && pieces->box;
     }
     if (have)
         measure_pieces(s, pieces, volume);
@@ -253,6 +254,7 @@ void pl_fit_free_pieces(pl_fit_pieces *pieces) {
     pl_free(pieces->of);
     pl_free(pieces->first);
     pl_free(pieces->is_closed);
+    pl_free(pieces->outward);
     pl_free(pieces->turn);
     pl_free(pieces->area);
     pl_free(pieces->box);

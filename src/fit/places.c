@@ -53,8 +53,8 @@ typedef struct search {
     int32_t patch;        /* -1: any */
     int sign;             /* if not 0: pieces of a group turn so */
     int32_t group;
-    int32_t partner; /* piece of the node's piece, plus 1; 0: any */
-    int n_ways;      /* unit directions of edges at a node on a curve or corner */
+    int32_t own; /* as pl_fit_may_use; 0: any piece */
+    int n_ways;  /* unit directions of edges at a node on a curve or corner */
     const double (*way)[3];
     const pl_fit_sides *sides; /* of these edges; or of a corner */
 } search;
@@ -80,7 +80,7 @@ static double square_of_facet(const void *context, int32_t facet, const double p
     double weight[3] = {1, 0, 0}, normal[3];
     pl_kept_normal(onto, facet, normal);
     if (onto->is_interface[facet] || (s->patch >= 0 && patch != s->patch) ||
-        !pl_fit_may_use(s->fit, s->partner, s->fit->pieces.of[facet]) ||
+        !pl_fit_may_use(s->fit, s->own, s->fit->pieces.of[facet]) ||
         (s->sign && group_of(s->fit, facet) != s->group) ||
         (s->normal && !(turn_of(s, facet) * pl_dot(3, s->normal, normal) >= s->alike)))
         return INFINITY;
@@ -89,10 +89,10 @@ static double square_of_facet(const void *context, int32_t facet, const double p
 
 /** Whether a search is for the piece of one of some facets. */
 static int is_for(const search *s, const int32_t *facet, int64_t n) {
-    int any = s->partner == 0;
+    int any = s->own == 0;
     for (int64_t i = 0; i < n && !any; i++)
         any = facet[i] >= 0 && s->fit->pieces.of[facet[i]] >= 0 &&
-              pl_fit_may_use(s->fit, s->partner, s->fit->pieces.of[facet[i]]);
+              pl_fit_may_use(s->fit, s->own, s->fit->pieces.of[facet[i]]);
     return any;
 }
 
@@ -349,7 +349,7 @@ static double off_curves(const finding *g, int32_t node) {
                           .way = (const double(*)[3])own.way + i,
                           .n_ways = 1,
                           .sides = own.sides + i,
-                          .partner = pl_fit_partner_of(fit, node)};
+                          .own = pl_fit_piece_of(fit, node)};
         double square = reach_of_features(g, node, x);
         if (nearest(&fit->edges, x, square_of_edge, &s, &square) >= 0)
             most = fmax(most, sqrt(square));
@@ -363,7 +363,7 @@ static int32_t find_corner(const finding *g, int32_t node, double *square) {
     const planish_fit *fit = g->fit;
     const search any = {.fit = fit};
     pl_fit_sides sides;
-    const search alike = {.fit = fit, .sides = &sides, .partner = pl_fit_partner_of(fit, node)};
+    const search alike = {.fit = fit, .sides = &sides, .own = pl_fit_piece_of(fit, node)};
     const double near = CORNER_EDGES * fit->own->edge_length[node] / fit->to_own;
     double x[3];
     *square = reach_of_features(g, node, x);
@@ -435,7 +435,7 @@ static int32_t find_edge(const finding *g, int32_t node, int *n_ways, double x[3
                       .way = (const double(*)[3])own.way,
                       .n_ways = own.n,
                       .sides = own.sides,
-                      .partner = pl_fit_partner_of(fit, node)};
+                      .own = pl_fit_piece_of(fit, node)};
     const int32_t at = *n_ways > 0 ? nearest(&fit->edges, x, square_of_edge, &s, &square) : -1;
     if (at < 0 || !normal_at(fit->own, node, normal))
         return at;
@@ -444,7 +444,7 @@ static int32_t find_edge(const finding *g, int32_t node, int *n_ways, double x[3
                          .patch = -1,
                          .normal = normal,
                          .alike = SAME,
-                         .partner = pl_fit_partner_of(fit, node)};
+                         .own = pl_fit_piece_of(fit, node)};
     square = off * off / (CURVE_PATCHES * CURVE_PATCHES);
     return off > 0 && nearest(&fit->facets, x, square_of_facet, &same, &square) >= 0 ? -1 : at;
 }
@@ -465,7 +465,7 @@ static void find_place(const finding *g, int32_t node) {
                       .patch = -1,
                       .normal = normal_at(fit->own, node, normal) ? normal : NULL,
                       .alike = ALIKE,
-                      .partner = pl_fit_partner_of(fit, node)};
+                      .own = pl_fit_piece_of(fit, node)};
     at = nearest(&fit->facets, x, square_of_facet, &s, &square);
     if (at >= 0)
         set_place(fit, node, PL_ON_PATCH, at, x);
@@ -558,6 +558,9 @@ int pl_fit_find_places(planish_fit *fit, const pl_points *points, planish_error 
         memset(fit->turn, 1, (size_t)fit->n_turns);
         pl_parallel_for(fit->threads, fit->n_nodes, CHUNK, look_for_turns, &g);
         find_turns(&g, sum);
+        status = pl_fit_begin_partners(fit, error);
+    }
+    if (!status) {
         find_all(&g, winner);
         status = pl_fit_find_partners(fit, error);
     }

@@ -3,7 +3,7 @@
 . "$(dirname "$0")/common.sh"
 
 # Cubes of N cells along each side as hexahedra or tetrahedra (solid), or their surface as triangles (surface), in a
-# form of a size, lifted; for a Medit file. Two: two plates with a gap; lower: the lower one.
+# form of a size, lifted; for a Medit file. Two: two plates with a gap; lower: the lower one. Hollow: without the cell amid.
 cat >make.py <<'END'
 import itertools
 import sys
@@ -28,6 +28,8 @@ def node(at):
 
 hexes, triangles = [], []
 for i, j, k in itertools.product(range(n), range(n), layers):
+    if form == "hollow" and i == j == k == n // 2:
+        continue
     at = [(i, j, k), (i + 1, j, k), (i + 1, j + 1, k), (i, j + 1, k)]
     at += [(a, b, c + 1) for a, b, c in at]
     for face in FACE:
@@ -179,6 +181,16 @@ expect_status 0 "$program" smooth one.mesh --onto two-higher.mesh -o one-out.mes
 tr '\n' ' ' <err >text
 grep -q "1 piece of two-higher.mesh has no node of the mesh" text || { fail "pieces without nodes are said"; cat err; }
 expect_json 'r["surface"]["unused_pieces"] == 1 and r["surface"]["off"] == 0'
+
+# What is hollow does not go to the outside.
+python3 make.py tets hollow 5 0.7 >hollow.mesh
+python3 make.py tets cube 3 0.7 0.02 >full.mesh
+expect_status 1 "$program" smooth hollow.mesh --onto full.mesh -o hollow-out.mesh --json report.json
+expect_json 'r["surface"]["out_of_reach"] == 8 and r["surface"]["nodes"] == 160 and r["surface"]["off"] == 0'
+expect_status 0 "$program" smooth full.mesh --onto hollow.mesh -o full-out.mesh --json report.json
+expect_json 'r["surface"]["unused_pieces"] == 1 and r["surface"]["on_corners"] == 8'
+expect_status 0 "$program" smooth hollow.mesh --onto hollow.mesh -o same.mesh --json report.json
+expect_json 'r["surface"]["off_before"] == 0 and r["surface"]["on_corners"] == 16'
 
 # Nodes without a place, as there is none below: that is no success.
 cat >lid.off <<'LID'
