@@ -796,7 +796,7 @@ PLANISH_API void planish_options_init_sized(planish_options *options, size_t siz
 
 /** Fit of the surface of a mesh of solids to another surface, made of other triangles: the place of each
  *  node there. A node of a patch belongs at the nearest point of the other surface that faces the same
- *  way. A node of a curve belongs on a curve, a corner at a corner. If no curve or corner is in reach,
+ *  way. A node of a curve belongs on a curve, a corner at a corner, with such sides. If none is in reach,
  *  the node belongs on a patch, and stays there. */
 typedef struct planish_fit planish_fit;
 
@@ -809,7 +809,12 @@ typedef struct planish_fit_info {
     int64_t n_held;         /* nodes that the caller, or elements that are not smoothed, hold */
     int64_t n_off;          /* nodes that are not at their places yet */
     double farthest; /* largest distance of a node from its place, in units of the coordinates */
-    int64_t reserved[8];
+    int64_t n_cut; /* corners of three curves or more that have no corner, though one is in reach */
+    int64_t
+        n_unclear; /* of n_out_of_reach: several pieces of the surface would cover the same one, and are held */
+    int64_t
+        n_unused; /* pieces of the other surface, each joined by edges, where no node has a place */
+    int64_t reserved[5];
 } planish_fit_info;
 
 /** Find the places of the boundary nodes of mesh on the shape onto. mesh has solids of order 1, and

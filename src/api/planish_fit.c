@@ -21,6 +21,15 @@ static const double USUAL_REACH = 3;
 
 /* ---- create ---------------------------------------------------------------------------------- */
 
+/** Whether a facet of the outside has an area. */
+static int has_area(const planish_shape *shape) {
+    for (int32_t f = 0; f < shape->n_facets; f++)
+        if (pl_fit_is_outer(shape, f) &&
+            (shape->normal[f][0] != 0 || shape->normal[f][1] != 0 || shape->normal[f][2] != 0))
+            return 1;
+    return 0;
+}
+
 static int check_fit(const planish_mesh *mesh, const planish_shape *shape,
                      const planish_shape *onto, double reach, planish_error *error) {
     int status = pl_check_counts(mesh, error);
@@ -43,6 +52,9 @@ static int check_fit(const planish_mesh *mesh, const planish_shape *shape,
                        shape->n_mesh, mesh->n_nodes);
     if (onto->n_facets == 0)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "onto has no facets: give a surface");
+    if (!has_area(onto))
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "onto has no facet with an area: give a surface");
     return reach >= 0 ? PLANISH_OK
                       : pl_fail(error, PLANISH_ERROR_ARGUMENT,
                                 "reach is %g mean edges; give a positive number, or 0", reach);
@@ -50,12 +62,14 @@ static int check_fit(const planish_mesh *mesh, const planish_shape *shape,
 
 /** Count the nodes of a fit. */
 static void describe(const planish_fit *fit, planish_fit_info *info) {
-    *info = (planish_fit_info){.n_nodes = 0};
+    *info = (planish_fit_info){.n_unused = fit->n_unused};
     for (int64_t i = 0; i < fit->n_nodes; i++) {
         const int is_placed = fit->state[i] == PL_FIT_PLACED;
         info->n_nodes += fit->state[i] != PL_FIT_INSIDE;
         info->n_held += fit->state[i] == PL_FIT_HELD;
-        info->n_out_of_reach += fit->state[i] == PL_FIT_FAR;
+        info->n_unclear += fit->state[i] == PL_FIT_UNCLEAR;
+        info->n_out_of_reach += fit->state[i] == PL_FIT_FAR || fit->state[i] == PL_FIT_UNCLEAR;
+        info->n_cut += is_placed && fit->is_cut[i];
         info->n_on_patch += is_placed && fit->kind[i] == PL_ON_PATCH;
         info->n_on_curve += is_placed && fit->kind[i] == PL_ON_CURVE;
         info->n_on_corner += is_placed && fit->kind[i] == PL_CORNER;
@@ -99,7 +113,7 @@ static int create(const planish_mesh *mesh, planish_fit *fit, planish_fit_info *
         const pl_points points = pl_points_of(&dense.mesh, dense.mesh.coordinates);
         status = pl_fit_find_places(fit, &points, error);
         describe(fit, info);
-        if (!status && info->n_out_of_reach > 0 &&
+        if (!status && info->n_out_of_reach > 0 && info->n_unclear == 0 &&
             info->n_out_of_reach + info->n_held == info->n_nodes)
             status = complain_of_reach(fit, error);
         if (!status)

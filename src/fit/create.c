@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "fit/pieces.h"
 #include "topology/cells.h"
 
 #include <inttypes.h>
@@ -172,6 +173,7 @@ static int allocate(planish_fit *fit, planish_error *error) {
     const int64_t n = fit->n_nodes;
     fit->state = pl_alloc_zero(n, sizeof *fit->state);
     fit->kind = pl_alloc_zero(n, sizeof *fit->kind);
+    fit->is_cut = pl_alloc_zero(n, sizeof *fit->is_cut);
     fit->slides = pl_alloc_zero(n, sizeof *fit->slides);
     fit->is_there = pl_alloc_zero(n, sizeof *fit->is_there);
     fit->place = pl_alloc_zero(n, sizeof *fit->place);
@@ -185,9 +187,9 @@ static int allocate(planish_fit *fit, planish_error *error) {
     int have = fit->block != NULL;
     for (int i = 0; have && i < fit->threads; i++)
         have = (fit->block[i] = pl_alloc_zero(1, sizeof **fit->block)) != NULL;
-    return have && fit->state && fit->kind && fit->slides && fit->is_there && fit->place &&
-                   fit->goal && fit->direction && fit->from && fit->part && fit->cosine &&
-                   fit->is_marked
+    return have && fit->state && fit->kind && fit->is_cut && fit->slides && fit->is_there &&
+                   fit->place && fit->goal && fit->direction && fit->from && fit->part &&
+                   fit->cosine && fit->is_marked
                ? PLANISH_OK
                : pl_fail_memory(error, "the nodes of a fit");
 }
@@ -222,11 +224,19 @@ int pl_fit_create(const planish_mesh *mesh, planish_fit *fit, planish_error *err
 void pl_fit_destroy(planish_fit *fit) {
     pl_free(fit->state);
     pl_free(fit->kind);
+    pl_free(fit->is_cut);
     pl_free(fit->slides);
     pl_free(fit->is_there);
     pl_free(fit->place);
     pl_free(fit->goal);
     pl_free(fit->direction);
+    pl_fit_free_pieces(&fit->pieces);
+    pl_fit_free_pieces(&fit->own_pieces);
+    pl_free(fit->piece_of);
+    pl_free(fit->side);
+    pl_free(fit->partner);
+    pl_free(fit->is_taken);
+    pl_free(fit->covered);
     pl_free(fit->turn);
     pl_free(fit->is_corner);
     pl_tree_destroy(&fit->facets);

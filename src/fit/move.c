@@ -253,8 +253,9 @@ double pl_fit_round(planish_fit *fit, const pl_points *points, double *coordinat
 static double way_of(const planish_fit *fit, const pl_points *points, int32_t node, double x[3]) {
     double way[3];
     pl_fit_at(points, fit->own->node[node], 1, x);
-    pl_from_to(3, x, fit->goal[node], way);
-    return sqrt(pl_dot(3, way, way));
+    for (int d = 0; d < 3; d++) /* scaled, as squares of lengths in other units may be no numbers */
+        way[d] = fit->goal[node][d] * fit->onto->scale - x[d] * fit->onto->scale;
+    return pl_length(way) / fit->onto->scale;
 }
 
 /** Whether a node so far from its goal is there. */

@@ -1,18 +1,21 @@
 /* places: where the nodes of a mesh belong on another shape.
  *
  * A node of a patch belongs where the other shape is nearest and turns the same way as the surface at the
- * node: not on the other side of a thin sheet. A node of a curve belongs on a curve of about its direction,
- * a corner at a corner; where the other shape has none in reach they belong on a patch, too, and stay
+ * node: not on the other side of a thin sheet. A node of a curve belongs on a curve of about its direction
+ * with such sides, a corner at a corner of such facets; where the other shape has none in reach they belong on a patch, too, and stay
  * there: what they bound is not to be lost.
  *
- * Which way a patch of the other shape turns is told by the nodes near it, as the facets of a file may turn
- * any way. */
+ * The facets of a file may turn any way. Closed pieces of the other shape have bodies or hollows inside, so all turn
+ * into the mesh or none, and other pieces each by itself: as nodes near them then have the shorter ways. */
 #include "fit/places.h"
 
 #include "base/joined.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
+#include "fit/partners.h"
+#include "fit/pieces.h"
+#include "fit/sides.h"
 #include "shape/nearest.h"
 #include "shape/pn.h"
 #include "shape/walk.h"
@@ -30,11 +33,13 @@ enum { CHUNK = 64, TRIALS = 32 };
 #define CURVE_PATCHES 1.5
 /* Curves go as an edge of the node does, either way: cosine. */
 #define ALONG 0.5
-/* A corner is for nodes within so many of their mean edges, and so many times as far as the nearest curve. */
+/* A corner is for nodes within so many of their mean edges, and so many times as far as curves along their own. */
 #define CORNER_EDGES  0.25
 #define CORNER_CURVES 2
-/* So much of the votes decides which way a patch turns. */
-#define CLEAR 0.75
+/* If ways are shorter by this factor that decides which way an open piece turns, by itself. */
+#define CLEAR 3
+/* Ways that decide it are sought so many times as far as places. */
+#define WIDER 3
 /* What is off a place by no more than this is there, in edges of the node. */
 #define NEAR 0x1p-30
 /* Steps of a storage are sought from here on, in sizes of the other shape. */
@@ -46,9 +51,26 @@ typedef struct search {
     const double *normal; /* of unit length; NULL: any */
     double alike;         /* cosine of the angle at most between that and a facet's */
     int32_t patch;        /* -1: any */
-    int n_ways;           /* unit directions of edges at a node on a curve or corner */
+    int sign;             /* if not 0: pieces of a group turn so */
+    int32_t group;
+    int32_t own; /* as pl_fit_may_use; 0: any piece */
+    int n_ways;  /* unit directions of edges at a node on a curve or corner */
     const double (*way)[3];
+    const pl_fit_sides *sides; /* of these edges; or of a corner */
 } search;
+
+/** All closed pieces are group 0; others are groups by themselves. */
+static int32_t group_of(const planish_fit *fit, int32_t facet) {
+    const int32_t piece = fit->pieces.of[facet];
+    return fit->pieces.is_closed[piece] ? 0 : piece + 1;
+}
+
+/** Return which way a facet of the outside turns in a search. */
+static int turn_of(const search *s, int32_t facet) {
+    const planish_fit *fit = s->fit;
+    return s->sign ? s->sign * fit->pieces.turn[fit->pieces.of[facet]]
+                   : fit->turn[fit->onto->patch[facet]];
+}
 
 static double square_of_facet(const void *context, int32_t facet, const double point[3]) {
     const search *s = context;
@@ -58,9 +80,20 @@ static double square_of_facet(const void *context, int32_t facet, const double p
     double weight[3] = {1, 0, 0}, normal[3];
     pl_kept_normal(onto, facet, normal);
     if (onto->is_interface[facet] || (s->patch >= 0 && patch != s->patch) ||
-        (s->normal && !(s->fit->turn[patch] * pl_dot(3, s->normal, normal) >= s->alike)))
+        !pl_fit_may_use(s->fit, s->own, s->fit->pieces.of[facet]) ||
+        (s->sign && group_of(s->fit, facet) != s->group) ||
+        (s->normal && !(turn_of(s, facet) * pl_dot(3, s->normal, normal) >= s->alike)))
         return INFINITY;
     return pl_nearest_on_triangle(point, x, weight);
+}
+
+/** Whether a search is for the piece of one of some facets. */
+static int is_for(const search *s, const int32_t *facet, int64_t n) {
+    int any = s->own == 0;
+    for (int64_t i = 0; i < n && !any; i++)
+        any = facet[i] >= 0 && s->fit->pieces.of[facet[i]] >= 0 &&
+              pl_fit_may_use(s->fit, s->own, s->fit->pieces.of[facet[i]]);
+    return any;
 }
 
 static double square_of_edge(const void *context, int32_t edge, const double point[3]) {
@@ -68,19 +101,39 @@ static double square_of_edge(const void *context, int32_t edge, const double poi
     const planish_shape *onto = s->fit->onto;
     const double *a = onto->x[onto->edge[edge][0]], *b = onto->x[onto->edge[edge][1]];
     double along[3], weight[2] = {1, 0};
-    int is_along = 0;
+    pl_fit_sides sides;
+    int is_known = 0, is_alike = 0;
     pl_from_to(3, a, b, along);
     const double length = pl_length(along);
-    for (int i = 0; i < s->n_ways; i++)
-        is_along |= fabs(pl_dot(3, along, s->way[i])) >= ALONG * length;
-    return is_along ? pl_nearest_on_edge(point, a, b, weight) : INFINITY;
+    for (int i = 0; i < s->n_ways && !is_alike; i++) {
+        if (!(fabs(pl_dot(3, along, s->way[i])) >= ALONG * length))
+            continue;
+        if (!is_known)
+            pl_fit_look_at_edge(onto, s->fit->turn, edge, &sides);
+        is_known = 1;
+        is_alike = pl_fit_are_alike(&s->sides[i], &sides, ALIKE);
+    }
+    return is_alike && is_for(s, onto->edge_facet[edge], 2)
+               ? pl_nearest_on_edge(point, a, b, weight)
+               : INFINITY;
 }
 
 static double square_of_corner(const void *context, int32_t node, const double point[3]) {
     const search *s = context;
+    const planish_shape *onto = s->fit->onto;
+    pl_fit_sides sides;
     double way[3];
-    pl_from_to(3, s->fit->onto->x[node], point, way);
-    return s->fit->onto->node_class[node] == PL_CORNER ? pl_dot(3, way, way) : INFINITY;
+    if (onto->node_class[node] != PL_CORNER ||
+        !is_for(s, onto->facet_of + onto->offset[node],
+                (int64_t)onto->offset[node + 1] - onto->offset[node]))
+        return INFINITY;
+    if (s->sides) {
+        pl_fit_look_at_node(onto, s->fit->turn, node, &sides);
+        if (!pl_fit_are_alike(s->sides, &sides, ALIKE))
+            return INFINITY;
+    }
+    pl_from_to(3, onto->x[node], point, way);
+    return pl_dot(3, way, way);
 }
 
 /* ---- trees ----------------------------------------------------------------------------------- */
@@ -175,17 +228,28 @@ static void free_features(features *f) {
     pl_free(f->length);
 }
 
-/** Compute the directions of some features at a node: way [MOST_WAYS]. Returns how many. */
 enum { MOST_WAYS = 8 };
-static int ways_at(const planish_shape *own, const features *f, int32_t node, double (*way)[3]) {
-    int n = 0;
-    for (int64_t i = f->offset[node]; i < f->offset[node + 1] && n < MOST_WAYS; i++) {
+
+/** Some features at a node. */
+typedef struct features_at {
+    int n;
+    double way[MOST_WAYS][3]; /* of unit length */
+    pl_fit_sides sides[MOST_WAYS];
+} features_at;
+
+/** Look at the features at a node. */
+static void look_at_features(const planish_shape *own, const features *f, int32_t node,
+                             features_at *at) {
+    at->n = 0;
+    for (int64_t i = f->offset[node]; i < f->offset[node + 1] && at->n < MOST_WAYS; i++) {
         const int32_t *end = own->edge[f->edge[i]];
         double along[3];
         pl_from_to(3, own->x[end[0]], own->x[end[1]], along);
-        n += pl_unit(3, along, way[n]);
+        if (!pl_unit(3, along, at->way[at->n]))
+            continue;
+        pl_fit_look_at_edge(own, NULL, f->edge[i], &at->sides[at->n]);
+        at->n++;
     }
-    return n;
 }
 
 /* ---- places ---------------------------------------------------------------------------------- */
@@ -194,8 +258,9 @@ typedef struct finding {
     planish_fit *fit;
     const pl_points *points;
     features features;
-    int32_t *near;  /* [n_nodes] facet, or -1; then the corner that a node asks for */
-    double *square; /* [n_nodes] of the distance of that corner */
+    int32_t *near;     /* [n_nodes] facet, or -1; then the corner that a node asks for */
+    double *square;    /* [n_nodes] of the distance of that corner */
+    double (*ways)[2]; /* [n_nodes] squares: if facets turn as they are to, or against that */
 } finding;
 
 /** Set x to a node, in onto's unit, and return the square of its reach. */
@@ -218,72 +283,108 @@ static double reach_of_features(const finding *g, int32_t node, double x[3]) {
     return square * part * part;
 }
 
-/** Find the facet that is nearest to each node, whichever way it turns. */
-static void look_for_facets(void *context, int64_t begin, int64_t end, int thread) {
+/** Find the facet that is nearest to each node, whichever way it turns, and the squares of the ways of the node if the
+ *  facet's group turns as its pieces are to, or against that. */
+static void look_for_turns(void *context, int64_t begin, int64_t end, int thread) {
     finding *g = context;
+    const planish_fit *fit = g->fit;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
-        const search s = {.fit = g->fit, .patch = -1};
-        double x[3], square = reach_of(g, (int32_t)i, x);
-        g->near[i] = g->fit->state[i] == PL_FIT_PLACED
-                         ? nearest(&g->fit->facets, x, square_of_facet, &s, &square)
-                         : -1;
-    }
-}
-
-/** Let the nodes say which way the patches turn. votes [patches][2]: room of zeros. */
-static void find_turns(const finding *g, int64_t (*votes)[2]) {
-    planish_fit *fit = g->fit;
-    int64_t all[2] = {0, 0};
-    for (int32_t i = 0; i < fit->n_nodes; i++) {
-        double normal[3], other[3];
-        if (g->near[i] < 0 || !normal_at(fit->own, i, normal))
+        search s = {.fit = fit, .patch = -1};
+        double x[3], normal[3], square = reach_of(g, (int32_t)i, x);
+        const double most = WIDER * WIDER * square;
+        const int is_asked =
+            fit->state[i] != PL_FIT_INSIDE && normal_at(fit->own, (int32_t)i, normal);
+        g->near[i] = is_asked ? nearest(&fit->facets, x, square_of_facet, &s, &square) : -1;
+        if (g->near[i] < 0)
             continue;
-        pl_kept_normal(fit->onto, g->near[i], other);
-        const int is_against = pl_dot(3, normal, other) < 0;
-        votes[fit->onto->patch[g->near[i]]][is_against]++;
-        all[is_against]++;
-    }
-    for (int64_t p = 0; p < fit->n_turns; p++) {
-        const double most = CLEAR * (double)(votes[p][0] + votes[p][1]);
-        fit->turn[p] = all[1] > all[0] ? -1 : 1;
-        if (most > 0 && (double)votes[p][0] >= most)
-            fit->turn[p] = 1;
-        if (most > 0 && (double)votes[p][1] >= most)
-            fit->turn[p] = -1;
+        s = (search){.fit = fit,
+                     .patch = -1,
+                     .normal = normal,
+                     .alike = ALIKE,
+                     .group = group_of(fit, g->near[i])};
+        for (int against = 0; against < 2; against++) {
+            g->ways[i][against] = most;
+            s.sign = against ? -1 : 1;
+            nearest(&fit->facets, x, square_of_facet, &s, &g->ways[i][against]);
+        }
     }
 }
 
-/** Return the distance of a node from the nearest curve that goes as one of its own; infinite: none does
- *  in reach. */
+/** Decide which way the patches turn. sum [groups][2]: room of zeros. */
+static void find_turns(const finding *g, double (*sum)[2]) {
+    planish_fit *fit = g->fit;
+    const pl_fit_pieces *pieces = &fit->pieces;
+    double all[2] = {0, 0}; /* of open pieces */
+    for (int32_t i = 0; i < fit->n_nodes; i++) {
+        const int32_t group = g->near[i] < 0 ? -1 : group_of(fit, g->near[i]);
+        const double edge = fit->own->edge_length[i] / fit->to_own;
+        for (int k = 0; k < 2 && group >= 0; k++) {
+            sum[group][k] += edge * edge * g->ways[i][k];
+            all[k] += group > 0 ? edge * edge * g->ways[i][k] : 0;
+        }
+    }
+    for (int64_t f = 0; f < fit->onto->n_facets; f++) {
+        if (pieces->of[f] < 0)
+            continue;
+        const int32_t group = group_of(fit, (int32_t)f);
+        const double *of = sum[group];
+        const int is_clear = group == 0 || fmax(of[0], of[1]) > CLEAR * fmin(of[0], of[1]);
+        const int is_against = is_clear ? of[1] < of[0] : all[1] < all[0];
+        fit->turn[fit->onto->patch[f]] =
+            (int8_t)(pieces->turn[pieces->of[f]] * (is_against ? -1 : 1));
+    }
+}
+
+/** Return the largest distance of a node from the nearest curve along an edge of its own: each of these is to move on
+ *  to the corner. Edges along which no curve is in reach do not count; infinite: none is along any. */
 static double off_curves(const finding *g, int32_t node) {
     const planish_fit *fit = g->fit;
-    double x[3], way[MOST_WAYS][3];
-    search s = {.fit = fit, .patch = -1, .way = (const double(*)[3])way};
-    double square = reach_of_features(g, node, x);
-    s.n_ways = ways_at(fit->own, &g->features, node, way);
-    return nearest(&fit->edges, x, square_of_edge, &s, &square) >= 0 ? sqrt(square) : INFINITY;
+    double x[3], most = -1;
+    features_at own;
+    look_at_features(fit->own, &g->features, node, &own);
+    for (int i = 0; i < own.n; i++) {
+        const search s = {.fit = fit,
+                          .patch = -1,
+                          .way = (const double(*)[3])own.way + i,
+                          .n_ways = 1,
+                          .sides = own.sides + i,
+                          .own = pl_fit_piece_of(fit, node)};
+        double square = reach_of_features(g, node, x);
+        if (nearest(&fit->edges, x, square_of_edge, &s, &square) >= 0)
+            most = fmax(most, sqrt(square));
+    }
+    return most < 0 ? INFINITY : most;
 }
 
-/** Find the corner that each corner of the mesh's surface would go to: where a coarse curve turns it has one of
- *  its own, which is on the other curve and far from its corners. */
+/** Return the corner that a corner of the mesh's surface would go to; -1: there is none. Where a coarse curve turns
+ *  it has one of its own, which is on the other curve and far from its corners. */
+static int32_t find_corner(const finding *g, int32_t node, double *square) {
+    const planish_fit *fit = g->fit;
+    const search any = {.fit = fit};
+    pl_fit_sides sides;
+    const search alike = {.fit = fit, .sides = &sides, .own = pl_fit_piece_of(fit, node)};
+    const double near = CORNER_EDGES * fit->own->edge_length[node] / fit->to_own;
+    double x[3];
+    *square = reach_of_features(g, node, x);
+    if (nearest(&fit->corners, x, square_of_corner, &any, square) < 0)
+        return -1;
+    fit->is_cut[node] = g->features.offset[node + 1] - g->features.offset[node] > 2;
+    *square = reach_of_features(g, node, x);
+    pl_fit_look_at_node(fit->own, NULL, node, &sides);
+    const int32_t at = nearest(&fit->corners, x, square_of_corner, &alike, square);
+    return at < 0 || sqrt(*square) > near + CORNER_CURVES * off_curves(g, node) ? -1 : at;
+}
+
 static void look_for_corners(void *context, int64_t begin, int64_t end, int thread) {
     finding *g = context;
     const planish_fit *fit = g->fit;
     (void)thread;
-    for (int64_t i = begin; i < end; i++) {
-        const search s = {.fit = fit};
-        double x[3];
-        g->square[i] = reach_of_features(g, (int32_t)i, x);
+    for (int64_t i = begin; i < end; i++)
         g->near[i] = fit->state[i] == PL_FIT_PLACED && fit->own->node_class[i] == PL_CORNER &&
                              g->features.offset[i + 1] > g->features.offset[i]
-                         ? nearest(&fit->corners, x, square_of_corner, &s, &g->square[i])
+                         ? find_corner(g, (int32_t)i, &g->square[i])
                          : -1;
-        const double near = CORNER_EDGES * fit->own->edge_length[i] / fit->to_own;
-        if (g->near[i] >= 0 &&
-            sqrt(g->square[i]) > near + CORNER_CURVES * off_curves(g, (int32_t)i))
-            g->near[i] = -1;
-    }
 }
 
 /** Give each corner to the nearest node that asks for it, the lowest of several. winner [nodes of onto]. */
@@ -300,6 +401,7 @@ static void give_corners(const finding *g, int32_t *winner) {
             continue;
         fit->kind[winner[c]] = PL_CORNER;
         fit->place[winner[c]].at = c;
+        fit->is_cut[winner[c]] = 0;
     }
 }
 
@@ -323,16 +425,26 @@ static void set_place(planish_fit *fit, int32_t node, int kind, int32_t at, cons
  *  its own curves. */
 static int32_t find_edge(const finding *g, int32_t node, int *n_ways, double x[3]) {
     const planish_fit *fit = g->fit;
-    double way[MOST_WAYS][3], normal[3];
+    double normal[3];
+    features_at own = {.n = 0};
     double square = reach_of_features(g, node, x);
-    *n_ways =
-        fit->own->node_class[node] == PL_ON_PATCH ? 0 : ways_at(fit->own, &g->features, node, way);
-    const search s = {.fit = fit, .way = (const double(*)[3])way, .n_ways = *n_ways};
+    if (fit->own->node_class[node] != PL_ON_PATCH)
+        look_at_features(fit->own, &g->features, node, &own);
+    *n_ways = own.n;
+    const search s = {.fit = fit,
+                      .way = (const double(*)[3])own.way,
+                      .n_ways = own.n,
+                      .sides = own.sides,
+                      .own = pl_fit_piece_of(fit, node)};
     const int32_t at = *n_ways > 0 ? nearest(&fit->edges, x, square_of_edge, &s, &square) : -1;
     if (at < 0 || !normal_at(fit->own, node, normal))
         return at;
     const double off = sqrt(square) - CURVE_EDGES * fit->own->edge_length[node] / fit->to_own;
-    const search same = {.fit = fit, .patch = -1, .normal = normal, .alike = SAME};
+    const search same = {.fit = fit,
+                         .patch = -1,
+                         .normal = normal,
+                         .alike = SAME,
+                         .own = pl_fit_piece_of(fit, node)};
     square = off * off / (CURVE_PATCHES * CURVE_PATCHES);
     return off > 0 && nearest(&fit->facets, x, square_of_facet, &same, &square) >= 0 ? -1 : at;
 }
@@ -352,7 +464,8 @@ static void find_place(const finding *g, int32_t node) {
     const search s = {.fit = fit,
                       .patch = -1,
                       .normal = normal_at(fit->own, node, normal) ? normal : NULL,
-                      .alike = ALIKE};
+                      .alike = ALIKE,
+                      .own = pl_fit_piece_of(fit, node)};
     at = nearest(&fit->facets, x, square_of_facet, &s, &square);
     if (at >= 0)
         set_place(fit, node, PL_ON_PATCH, at, x);
@@ -402,6 +515,20 @@ static int plant_all(planish_fit *fit, planish_error *error) {
     return status;
 }
 
+/** Find the places of all nodes; winner [nodes of onto]: room. */
+static void find_all(finding *g, int32_t *winner) {
+    planish_fit *fit = g->fit;
+    for (int64_t i = 0; i < fit->n_nodes; i++) {
+        fit->place[i].at = -1;
+        fit->is_cut[i] = fit->slides[i] = 0;
+        if (fit->state[i] == PL_FIT_FAR)
+            fit->state[i] = PL_FIT_PLACED;
+    }
+    pl_parallel_for(fit->threads, fit->n_nodes, CHUNK, look_for_corners, g);
+    give_corners(g, winner);
+    pl_parallel_for(fit->threads, fit->n_nodes, CHUNK, find_places, g);
+}
+
 int pl_fit_find_places(planish_fit *fit, const pl_points *points, planish_error *error) {
     const planish_shape *onto = fit->onto;
     finding g = {.fit = fit, .points = points};
@@ -411,28 +538,43 @@ int pl_fit_find_places(planish_fit *fit, const pl_points *points, planish_error 
     fit->is_corner = pl_alloc_zero(onto->n_nodes, sizeof *fit->is_corner);
     g.near = pl_alloc(fit->n_nodes, sizeof *g.near);
     g.square = pl_alloc(fit->n_nodes, sizeof *g.square);
-    int64_t(*votes)[2] = pl_alloc_zero(fit->n_turns, sizeof *votes);
+    g.ways = pl_alloc(fit->n_nodes, sizeof *g.ways);
     int32_t *winner = pl_alloc(onto->n_nodes, sizeof *winner);
-    int status = fit->turn && fit->is_corner && g.near && g.square && votes && winner &&
+    double(*sum)[2] = NULL;
+    int status = fit->turn && fit->is_corner && g.near && g.square && g.ways && winner &&
                          list_features(fit->own, &g.features)
                      ? plant_all(fit, error)
                      : pl_fail_memory(error, "the places of a fit");
+    if (!status)
+        status = pl_fit_find_pieces(onto, &fit->pieces, error);
+    if (!status)
+        status = pl_fit_turn_hollows(onto, fit->threads, &fit->pieces, error);
+    if (!status && !(sum = pl_alloc_zero(fit->pieces.n + 1, sizeof *sum)))
+        status = pl_fail_memory(error, "the places of a fit");
     if (!status) {
         for (int64_t e = 0; e < 2 * onto->n_edges; e++)
             fit->is_corner[onto->edge[e / 2][e % 2]] =
                 onto->node_class[onto->edge[e / 2][e % 2]] == PL_CORNER;
-        for (int64_t i = 0; i < fit->n_nodes; i++)
-            fit->place[i].at = -1;
-        pl_parallel_for(fit->threads, fit->n_nodes, CHUNK, look_for_facets, &g);
-        find_turns(&g, votes);
-        pl_parallel_for(fit->threads, fit->n_nodes, CHUNK, look_for_corners, &g);
-        give_corners(&g, winner);
-        pl_parallel_for(fit->threads, fit->n_nodes, CHUNK, find_places, &g);
+        memset(fit->turn, 1, (size_t)fit->n_turns);
+        pl_parallel_for(fit->threads, fit->n_nodes, CHUNK, look_for_turns, &g);
+        find_turns(&g, sum);
+        status = pl_fit_begin_partners(fit, error);
     }
+    if (!status) {
+        find_all(&g, winner);
+        status = pl_fit_find_partners(fit, error);
+    }
+    if (!status && pl_fit_has_strays(fit)) {
+        find_all(&g, winner);
+        status = pl_fit_find_partners(fit, error);
+    }
+    if (!status)
+        pl_fit_hold_doubled(fit);
     pl_free(g.near);
     pl_free(g.square);
     free_features(&g.features);
-    pl_free(votes);
+    pl_free(g.ways);
+    pl_free(sum);
     pl_free(winner);
     return status;
 }

@@ -247,6 +247,139 @@ static void test_not_there(void **state) {
     free_fitted(&t);
 }
 
+/** Largest difference of nodes of the surface from where stretching and shifting the block takes them. */
+static double off_affine(const block *b, const double *x, const double stretch[3],
+                         const double shift[3]) {
+    double most = 0;
+    for (int64_t i = 0; i < 3 * b->mesh.n_nodes; i++) {
+        const double *at = b->given + i / 3 * 3;
+        const int is_at_corner =
+            fabs(at[0]) > 0.999 && fabs(at[1]) > 0.999 && fabs(at[2]) > b->given[2] * -0.999;
+        if (is_at_corner)
+            most = fmax(most, fabs(x[i] - b->given[i] * stretch[i % 3] - shift[i % 3]));
+    }
+    return most;
+}
+
+/** Corners go with the edges that end there, though one of these goes on through them. */
+static void test_stretched(void **state) {
+    (void)state;
+    const double none[3] = {0, 0, 0};
+    for (int i = 1; i < 4; i++) {
+        const double stretch[3] = {1, i == 3 ? 1.15 : 1, 1 + 0.1 * i};
+        fitted t;
+        make_fitted(1, BLOCK_CUBE, 6, 1, 0, &t);
+        block_target_create(BLOCK_CUBE, 1, 1, 0, &t.fine);
+        block_target_place(&t.fine, stretch, none);
+        fit_one("cube that is stretched", 0, &t);
+        assert_int_equal(t.o.before.n_on_corner, 8);
+        assert_int_equal(t.o.before.n_cut, 0);
+        assert_int_equal(t.o.after.n_off, 0);
+        assert_true(off_affine(&t.b, t.o.smoothed, stretch, none) < 1e-12);
+        free_fitted(&t);
+    }
+}
+
+/** A flat ball goes to one beside it that its upper nodes meet from the wrong side, whichever way its facets turn. The
+ *  lower nodes are held. */
+static void test_flat(void **state) {
+    (void)state;
+    const double stretch[3] = {1, 1, 0.15}, shift[3] = {0, 0, 0.24};
+    for (int is_turned = 0; is_turned < 2; is_turned++) {
+        fitted t;
+        double highest = 0;
+        make_fitted(1, BLOCK_BALL, 6, 1, 0, &t);
+        block_stretch(&t.b, stretch);
+        uint8_t *constraint = calloc((size_t)t.b.mesh.n_nodes, 1);
+        for (int64_t i = 0; i < t.b.mesh.n_nodes; i++)
+            constraint[i] = t.b.given[3 * i + 2] < 0;
+        t.b.mesh.constraint = constraint;
+        block_target_create(BLOCK_BALL, 6, 1, is_turned, &t.fine);
+        block_target_place(&t.fine, stretch, shift);
+        fit_one("flat ball", 0, &t);
+        for (int64_t i = 0; i < t.b.mesh.n_nodes; i++)
+            highest = fmax(highest, t.o.x[3 * i + 2]);
+        assert_true(highest > 0.38);
+        free(constraint);
+        free_fitted(&t);
+    }
+}
+
+/** Rims and corners of a thin plate keep their sides, though the other ones are nearer. */
+static void test_plate(void **state) {
+    (void)state;
+    const double stretch[3] = {1, 1, 0.1};
+    for (int i = 0; i < 4; i++) {
+        const double shift[3] = {0, 0, i % 2 ? 0.12 : 0.17};
+        fitted t;
+        make_fitted(i < 2, BLOCK_CUBE, 6, 1, 0, &t);
+        block_stretch(&t.b, stretch);
+        block_target_create(BLOCK_CUBE, 2, 1, i < 2, &t.fine);
+        block_target_place(&t.fine, stretch, shift);
+        fit_one("thin plate", 0, &t);
+        assert_int_equal(t.o.before.n_on_corner, 8);
+        assert_int_equal(t.o.before.n_on_curve, 12 * 5);
+        assert_true(t.o.before.farthest < shift[2] + 1e-12);
+        free_fitted(&t);
+    }
+}
+
+/** Sizes of which squares are no numbers change nothing but the unit. */
+static void test_units(void **state) {
+    (void)state;
+    const double unit[] = {1, 0x1p-540, 0x1p600}, none[3] = {0, 0, 0};
+    planish_fit_info info[3];
+    for (int i = 0; i < 3; i++) {
+        fitted t;
+        planish_fit *f;
+        const double stretch[3] = {unit[i], unit[i], unit[i]};
+        make_fitted(1, BLOCK_BALL, 4, 0.95, 0, &t);
+        block_stretch(&t.b, stretch);
+        block_target_create(BLOCK_BALL, 8, 1, 0, &t.fine);
+        block_target_place(&t.fine, stretch, none);
+        assert_int_equal(
+            planish_fit_create(&t.b.mesh, t.b.shape, t.fine.shape, 0, NULL, &f, &info[i], NULL), 0);
+        info[i].farthest /= unit[i];
+        assert_memory_equal(&info[i], &info[0], sizeof *info);
+        planish_fit_destroy(f);
+        block_destroy(&t.b);
+        block_target_destroy(&t.fine);
+    }
+    assert_true(info[0].n_off > 0 && info[0].farthest > 0.01);
+}
+
+/** Make a roof of a cube: both upper edges along x are one. */
+static void make_roof(block_target *s) {
+    block_target_create(BLOCK_CUBE, 1, 1, 0, s);
+    const int32_t *v = s->node;
+    int64_t n = 0;
+    for (int64_t i = 0; i < 3 * s->cells.n; i++)
+        for (int32_t k = 0; k < s->mesh.n_nodes; k++) {
+            const double *x = s->x + 3 * (int64_t)v[i], *y = s->x + 3 * (int64_t)k;
+            if (x[2] > 0 && x[1] < 0 && y[2] > 0 && y[1] > 0 && y[0] == x[0])
+                s->node[i] = k;
+        }
+    for (int64_t i = 0; i < s->mesh.n_nodes; i++)
+        s->x[3 * i + 1] *= s->x[3 * i + 2] < 0;
+    for (int64_t i = 0; i < s->cells.n; i++)
+        if (v[3 * i] != v[3 * i + 1] && v[3 * i] != v[3 * i + 2] && v[3 * i + 1] != v[3 * i + 2])
+            memmove(s->node + 3 * n++, v + 3 * i, 3 * sizeof *v);
+    s->cells.n = s->mesh.n_elements = n;
+    block_target_place(s, (const double[3]){1, 1, 1}, (const double[3]){0, 0, 0});
+}
+
+/** Corners that are left over are counted. */
+static void test_cut(void **state) {
+    (void)state;
+    fitted t;
+    make_fitted(1, BLOCK_CUBE, 6, 1, 0, &t);
+    make_roof(&t.fine);
+    fit_one("cube onto a roof", 4, &t);
+    assert_int_equal(t.o.before.n_on_corner, 6);
+    assert_int_equal(t.o.before.n_cut, 2);
+    free_fitted(&t);
+}
+
 /** Whether no other tetrahedron has the facet that is opposite to a corner. */
 static int is_boundary(const planish_mesh *mesh, int64_t element, int corner) {
     const int32_t *node = mesh->elements + 4 * element;
@@ -752,6 +885,11 @@ int main(void) {
         cmocka_unit_test(test_not_there),
         cmocka_unit_test(test_certificate),
         cmocka_unit_test(test_curved_other),
+        cmocka_unit_test(test_stretched),
+        cmocka_unit_test(test_cut),
+        cmocka_unit_test(test_units),
+        cmocka_unit_test(test_plate),
+        cmocka_unit_test(test_flat),
         cmocka_unit_test(test_threads),
         cmocka_unit_test(test_stop),
         cmocka_unit_test(test_positions),

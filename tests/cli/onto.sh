@@ -3,12 +3,14 @@
 . "$(dirname "$0")/common.sh"
 
 # Cubes of N cells along each side as hexahedra or tetrahedra (solid), or their surface as triangles (surface), in a
-# form of a size; for a Medit file.
+# form of a size, lifted; for a Medit file. Two: two plates with a gap; lower: the lower one. Hollow: without the cell amid.
 cat >make.py <<'END'
 import itertools
 import sys
 
 what, form, n, size = sys.argv[1], sys.argv[2], int(sys.argv[3]), float(sys.argv[4])
+lift = float(sys.argv[5]) if len(sys.argv) > 5 else 0
+layers = {"two": (0, 1, 3, 4), "lower": (0, 1)}.get(form, range(n))
 FACE = [(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)]
 number, points = {}, []
 
@@ -19,13 +21,15 @@ def node(at):
         if form == "ball":
             u, v, w = (a * (1 - b * b / 2 - c * c / 2 + b * b * c * c / 3) ** 0.5
                        for a, b, c in ((u, v, w), (v, w, u), (w, u, v)))
-        points.append([size * c for c in (u, v, w)])
+        points.append([size * u, size * v, size * w + lift])
         number[at] = len(points)
     return number[at]
 
 
 hexes, triangles = [], []
-for i, j, k in itertools.product(range(n), repeat=3):
+for i, j, k in itertools.product(range(n), range(n), layers):
+    if form == "hollow" and i == j == k == n // 2:
+        continue
     at = [(i, j, k), (i + 1, j, k), (i + 1, j + 1, k), (i, j + 1, k)]
     at += [(a, b, c + 1) for a, b, c in at]
     for face in FACE:
@@ -138,6 +142,29 @@ expect_json 'r["surface"]["worst_ratio_of_input"] < r["before"]["max_radius_rati
 expect_status 0 "$program" smooth block.mesh --onto half.mesh -o block-out.mesh --json report.json
 expect_json 'r["certified"] and r["surface"]["out_of_reach"] == 0 and r["surface"]["off"] == 0'
 
+# A cube onto one that is higher keeps its corners; onto a roof two are left over, and that is said.
+python3 - <<'END'
+def put(name, points, triangles):
+    with open(name, "w") as off:
+        off.write("OFF\n%d %d 0\n" % (len(points), len(triangles)))
+        off.writelines("%g %g %g\n" % tuple(p) for p in points)
+        off.writelines("3 %d %d %d\n" % t for t in triangles)
+
+
+ring = [(-0.7, -0.7), (0.7, -0.7), (0.7, 0.7), (-0.7, 0.7)]
+sides = [(0, 1, 5), (0, 5, 4), (1, 2, 6), (1, 6, 5), (2, 3, 7), (2, 7, 6), (3, 0, 4), (3, 4, 7), (0, 2, 1), (0, 3, 2)]
+put("higher.off", [(*p, z) for z in (-0.7, 0.9) for p in ring], [*sides, (4, 5, 6), (4, 6, 7)])
+roof = [(*p, -0.7) for p in ring] + [(-0.7, 0, 0.7), (0.7, 0, 0.7)]
+put("roof.off", roof, [(0, 1, 5), (0, 5, 4), (1, 2, 5), (2, 3, 4), (2, 4, 5), (3, 0, 4), (0, 2, 1), (0, 3, 2)])
+END
+expect_status 0 "$program" smooth cube.mesh --onto higher.off -o higher.mesh --json report.json
+expect_json 'r["surface"]["on_corners"] == 8 and r["surface"]["cut_corners"] == 0'
+expect_json 'r["surface"]["distance"] < 0.001 and r["surface"]["distance_back"] < 0.001'
+"$program" smooth cube.mesh --onto roof.off -o under-roof.mesh --json report.json >out 2>err
+tr '\n' ' ' <err >text
+grep -q "2 corners of the surface are not at a corner of roof.off" text || { fail "cut corners are said"; cat err; }
+expect_json 'r["surface"]["on_corners"] == 6 and r["surface"]["cut_corners"] == 2'
+
 # Nodes that cannot get there, as all nodes inside are held.
 python3 - <<'END'
 lines = open("block.mesh").read().split("\n")
@@ -152,6 +179,53 @@ expect_status 1 "$program" smooth held.mesh --onto half.mesh -o held-out.mesh --
 expect_text "are not on half.mesh yet"
 expect_json 'r["certified"] and 0 < r["surface"]["off"] <= 152 and r["surface"]["farthest"] > 0.1'
 expect_json 'r["surface"]["distance"] >= r["surface"]["farthest"] * 0.99'
+
+# Two plates go to two plates that are higher by more than the gap; not both to one.
+python3 make.py tets two 5 0.7 >two.mesh
+python3 make.py tets two 5 0.7 0.35 >two-higher.mesh
+python3 make.py tets lower 5 0.7 0.2 >one.mesh
+expect_status 0 "$program" smooth two.mesh --onto two-higher.mesh -o two-out.mesh --json report.json
+expect_json 'r["surface"]["on_corners"] == 16 and r["surface"]["unclear"] == r["surface"]["unused_pieces"] == 0'
+expect_json '0.3499 < r["surface"]["farthest_before"] < 0.3501 and r["surface"]["distance_back"] < 0.001'
+expect_status 1 "$program" smooth two.mesh --onto one.mesh -o two-out.mesh --json report.json
+tr '\n' ' ' <err >text
+grep -q "nodes of the surface stay: several pieces of it are nearest to the same one of one.mesh" text || { fail "what is unclear is said"; cat err; }
+expect_json 'r["surface"]["unclear"] == r["surface"]["nodes"] == r["surface"]["out_of_reach"] == 184'
+expect_status 0 "$program" smooth one.mesh --onto two-higher.mesh -o one-out.mesh --json report.json
+tr '\n' ' ' <err >text
+grep -q "1 piece of two-higher.mesh has no node of the mesh" text || { fail "pieces without nodes are said"; cat err; }
+expect_json 'r["surface"]["unused_pieces"] == 1 and r["surface"]["off"] == 0'
+
+# What is hollow does not go to the outside.
+python3 make.py tets hollow 5 0.7 >hollow.mesh
+python3 make.py tets cube 3 0.7 0.02 >full.mesh
+expect_status 1 "$program" smooth hollow.mesh --onto full.mesh -o hollow-out.mesh --json report.json
+expect_json 'r["surface"]["out_of_reach"] == 8 and r["surface"]["nodes"] == 160 and r["surface"]["off"] == 0'
+expect_status 0 "$program" smooth full.mesh --onto hollow.mesh -o full-out.mesh --json report.json
+expect_json 'r["surface"]["unused_pieces"] == 1 and r["surface"]["on_corners"] == 8'
+expect_status 0 "$program" smooth hollow.mesh --onto hollow.mesh -o same.mesh --json report.json
+expect_json 'r["surface"]["off_before"] == 0 and r["surface"]["on_corners"] == 16'
+
+# Nodes without a place, as there is none below: that is no success.
+cat >lid.off <<'LID'
+OFF
+4 2 0
+-0.7 -0.7 0.75
+0.7 -0.7 0.75
+0.7 0.7 0.75
+-0.7 0.7 0.75
+3 0 1 2
+3 0 2 3
+LID
+expect_status 1 "$program" smooth cube.mesh --onto lid.off -o lid.mesh --json report.json
+tr '\n' ' ' <err >text
+grep -q "lid.mesh: .*[0-9] nodes of the surface have no place on lid.off" text || { fail "no place is no success"; cat err; }
+tr '\n' ' ' <out >text
+grep -q "of 98 nodes .* 0 not yet, [0-9]* have no place there" text || { fail "the table counts nodes without a place"; cat out; }
+sed 's/^-*0.7 -*0.7 0.75/0.5 0.5 0.75/' lid.off >point.off
+expect_status 2 "$program" smooth cube.mesh --onto point.off -o no.mesh
+expect_one_line
+expect_text "no facet with an area"
 
 # What is refused, in one line.
 expect_status 2 "$program" smooth coarse.mesh --onto huge.mesh -o no.mesh

@@ -93,6 +93,13 @@ void block_target_create(block_form f, int n, double size, int is_turned, block_
     finish(f, size, s);
 }
 
+void block_target_place(block_target *s, const double stretch[3], const double shift[3]) {
+    for (int64_t i = 0; i < 3 * s->mesh.n_nodes; i++)
+        s->x[i] = s->x[i] * stretch[i % 3] + shift[i % 3];
+    planish_shape_destroy(s->shape);
+    assert_int_equal(planish_shape_create(&s->mesh, NULL, 1, &s->shape, NULL, NULL), 0);
+}
+
 void block_target_destroy(block_target *s) {
     planish_shape_destroy(s->shape);
     free(s->x);
@@ -169,6 +176,13 @@ void block_create(int is_tets, cell_box_kind kind, block_form f, int n, double s
         b->mesh.n_elements = 6 * cells->n;
     }
     b->given = test_copy_of(&b->mesh);
+    assert_int_equal(planish_shape_create(&b->mesh, NULL, 1, &b->shape, NULL, NULL), 0);
+}
+
+void block_stretch(block *b, const double stretch[3]) {
+    for (int64_t i = 0; i < 3 * b->mesh.n_nodes; i++)
+        b->box->x[i] = b->given[i] *= stretch[i % 3];
+    planish_shape_destroy(b->shape);
     assert_int_equal(planish_shape_create(&b->mesh, NULL, 1, &b->shape, NULL, NULL), 0);
 }
 

@@ -1,7 +1,9 @@
 /* blocks: solids that are fitted to other surfaces, and these surfaces.
  *
  *   block_create, _destroy                             a block of cells in a form
+ *   block_stretch                                      the same stretched
  *   block_target_create, _create_curved, _destroy      a surface of triangles in a form
+ *   block_target_place                                 the same stretched, and elsewhere
  */
 #ifndef TEST_SUPPORT_BLOCKS_H
 #define TEST_SUPPORT_BLOCKS_H
@@ -25,6 +27,9 @@ typedef struct block {
 void block_create(int is_tets, cell_box_kind kind, block_form f, int n, double size, double shake,
                   uint64_t *random, block *b);
 
+/** Stretch a block along each axis. */
+void block_stretch(block *b, const double stretch[3]);
+
 void block_destroy(block *b);
 
 /** The surface of a cube as triangles, taken to a form. It is not copied. */
@@ -40,6 +45,9 @@ typedef struct block_target {
 
 /** Make a surface of n squares along each side; is_turned: its triangles turn inwards. */
 void block_target_create(block_form f, int n, double size, int is_turned, block_target *s);
+
+/** Stretch a surface along each axis, then shift it. */
+void block_target_place(block_target *s, const double stretch[3], const double shift[3]);
 
 /** Make a surface of six sides of two triangles of order 2 each. */
 void block_target_create_curved(block_form f, double size, block_target *s);

@@ -153,6 +153,10 @@ int pl_judge(const pl_job *job, pl_result *result) {
                            result->smooth.stop == PLANISH_STOP_INTERRUPTED
                        ? ""
                        : ": the move would invert elements, or nearly invert them");
+    if (job->onto.after.n_out_of_reach > 0)
+        add_reason(result, "%" PRId64 " node%s of the surface %s no place on %s",
+                   job->onto.after.n_out_of_reach, job->onto.after.n_out_of_reach == 1 ? "" : "s",
+                   job->onto.after.n_out_of_reach == 1 ? "has" : "have", job->arguments->onto);
     if (result->smooth.stop == PLANISH_STOP_INTERRUPTED)
         add_reason(result, "interrupted by a signal before convergence");
     if (result->reason[0])

@@ -206,13 +206,29 @@ void pl_onto_note(FILE *stream, const pl_job *job, double worst) {
     const char *file = job->arguments->onto;
     if (!onto->fit)
         return;
-    if (onto->before.n_out_of_reach > 0)
+    const int64_t n_far = onto->before.n_out_of_reach - onto->before.n_unclear;
+    if (n_far > 0)
         pl_note(stream,
                 "%" PRId64
                 " node%s of the surface %s no place on %s within 3 mean edge lengths, and stay%s",
-                onto->before.n_out_of_reach, onto->before.n_out_of_reach == 1 ? "" : "s",
-                onto->before.n_out_of_reach == 1 ? "has" : "have", file,
-                onto->before.n_out_of_reach == 1 ? "s" : "");
+                n_far, n_far == 1 ? "" : "s", n_far == 1 ? "has" : "have", file,
+                n_far == 1 ? "s" : "");
+    if (onto->before.n_unclear > 0)
+        pl_note(stream,
+                "%" PRId64
+                " nodes of the surface stay: several pieces of it are nearest to the same "
+                "one of %s. Bring it nearer, or fit the bodies one by one",
+                onto->before.n_unclear, file);
+    if (onto->before.n_unused > 0)
+        pl_note(stream, "%" PRId64 " piece%s of %s %s no node of the mesh", onto->before.n_unused,
+                onto->before.n_unused == 1 ? "" : "s", file,
+                onto->before.n_unused == 1 ? "has" : "have");
+    if (onto->before.n_cut > 0)
+        pl_note(stream,
+                "%" PRId64 " corner%s of the surface %s not at a corner of %s, though one is near: "
+                "edges are cut off there",
+                onto->before.n_cut, onto->before.n_cut == 1 ? "" : "s",
+                onto->before.n_cut == 1 ? "is" : "are", file);
     if (onto->before.n_held > 0)
         pl_note(stream, "%" PRId64 " node%s of the surface %s held, and not fitted to %s",
                 onto->before.n_held, onto->before.n_held == 1 ? "" : "s",

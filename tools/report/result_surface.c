@@ -51,7 +51,10 @@ static void add_onto(pl_json *json, cJSON *root, const pl_job *job) {
     pl_json_integer(json, surface, "on_patches", before->n_on_patch);
     pl_json_integer(json, surface, "on_curves", before->n_on_curve);
     pl_json_integer(json, surface, "on_corners", before->n_on_corner);
+    pl_json_integer(json, surface, "cut_corners", before->n_cut);
     pl_json_integer(json, surface, "out_of_reach", before->n_out_of_reach);
+    pl_json_integer(json, surface, "unclear", before->n_unclear);
+    pl_json_integer(json, surface, "unused_pieces", before->n_unused);
     pl_json_integer(json, surface, "held", before->n_held);
     pl_json_integer(json, surface, "off_before", before->n_off);
     pl_json_real(json, surface, "farthest_before", before->farthest);

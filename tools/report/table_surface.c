@@ -86,17 +86,20 @@ void pl_table_put_surface(FILE *stream, const pl_job *job, const pl_result *resu
 
 void pl_table_put_onto(FILE *stream, const pl_job *job) {
     const planish_fit_info *before = &job->onto.before, *after = &job->onto.after;
-    const int64_t n = before->n_on_patch + before->n_on_curve + before->n_on_corner;
-    char text[512];
+    const int64_t n = before->n_nodes - before->n_held,
+                  n_on = n - after->n_off - after->n_out_of_reach;
+    char text[512], without[64] = "";
     if (!job->onto.fit)
         return;
+    if (after->n_out_of_reach > 0)
+        snprintf(without, sizeof without, ", %" PRId64 " %s no place there", after->n_out_of_reach,
+                 pl_table_word_for(after->n_out_of_reach, "has", "have"));
     snprintf(text, sizeof text,
              "fitted to %s before smoothing: of %" PRId64 " %s %" PRId64
              " lay off that surface, by at most %.3g; now %" PRId64 " %s on it, %" PRId64
-             " not yet",
+             " not yet%s",
              job->arguments->onto, n, pl_table_word_for(n, "node", "nodes"), before->n_off,
-             before->farthest, n - after->n_off, pl_table_word_for(n - after->n_off, "is", "are"),
-             after->n_off);
+             before->farthest, n_on, pl_table_word_for(n_on, "is", "are"), after->n_off, without);
     pl_terminal_wrap(stream, text);
     pl_table_put_distance(stream, "the surface is off that one by", ", that one is",
                           &job->onto.distance);

@@ -229,7 +229,10 @@ class FitInfo(Printed):
     n_held: Int64
     n_off: Int64
     farthest: Double
-    reserved: Annotated[Any, c_int64 * 8]
+    n_cut: Int64
+    n_unclear: Int64
+    n_unused: Int64
+    reserved: Annotated[Any, c_int64 * 5]
 
 
 @fields
