@@ -330,6 +330,9 @@ static void wrong_files_are_refused(void **state) {
         {END "  2411\n1 1 1 1\n0 0 x\n" END TET, "'x' is not a coordinate"},
         {END "  2411\n1 1 1 1\n0 0 0\n1 1 1 1\n1 0 0\n" END TET, "occurs twice, at"},
         {FOUR END "    15\n1 1 1 1 0 0 0\n" END TET, "dataset 15 beside"},
+        /* What stands before columns is no part of a coordinate: it would be one without blanks. */
+        {END "    15\n" "         1         1 1 1           9         1.00000E+00  2.00000E+00  3.00000E+00\n" END TET,
+         "node 1: three coordinates"},
         {FOUR END "    71\n1 1 111 1 1 7 4\n1 2 3 4\n" END, "test:13: elements of dataset 71"},
         {FOUR END "  2412\n1 111 1 1 7 4\n1 2 3 5\n" END, "element 1: there is no node 5"},
         {FOUR END "  2412\n1 111 1 1 7 4\n1 2 3 -4\n" END, "no node -4"},

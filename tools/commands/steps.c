@@ -250,15 +250,16 @@ static int begin_again(pl_job *job, pl_result *result, listeners *to) {
     return pl_history_begin(job, result->picture, &to->history);
 }
 
-/** Smooth. Where kept layers change their heights by much, their nodes are held, and it begins again. */
+/** Smooth. Where kept layers change their heights by much, their nodes are held, and it begins again; in the
+ *  last round all nodes of layers. */
 static int smooth_layers(pl_job *job, pl_result *result, listeners *to) {
-    enum { ROUNDS = 6 };
+    enum { ROUNDS = 7 };
     const double limit = job->options.time_limit, least = 1e-3;
     double seconds = 0; /* of rounds that were given up */
     int status = run_sweeps(job, result, to);
     for (int round = 0; !status && round < ROUNDS && may_repeat(job, result); round++) {
         int64_t n;
-        status = pl_heights_hold(job, &n);
+        status = pl_heights_hold(job, round == ROUNDS - 1, &n);
         if (status || n == 0)
             break;
         seconds += result->smooth_seconds;

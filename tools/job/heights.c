@@ -86,13 +86,25 @@ int pl_heights_measure(const pl_job *job, pl_heights *heights) {
     return status;
 }
 
+/** Let all nodes of layers be off by much. */
+static void spread_off(const pl_job *job, double *off) {
+    int corners;
+    for (int64_t i = 0; i < job->mesh.n_elements; i++) {
+        const int32_t *corner = pl_job_corners(job, i, &corners);
+        for (int j = 0; job->like.is_layer[i] && j < corners; j++)
+            off[corner[j]] = INFINITY;
+    }
+}
+
 /** Hold the nodes that are off, where the one that is off most is so by much; return how many are new. */
-static int64_t hold_nodes(pl_job *job, const double *off) {
+static int64_t hold_nodes(pl_job *job, int of_all, double *off) {
     const int64_t n_nodes = job->mesh.n_nodes;
     double worst = 0;
     int64_t n = 0;
     for (int64_t i = 0; i < n_nodes; i++)
         worst = fmax(worst, off[i]);
+    if (worst > MUCH && of_all)
+        spread_off(job, off);
     for (int64_t i = 0; worst > MUCH && i < n_nodes; i++)
         if (off[i] > HELD_FROM && job->constraint[i] != PLANISH_CONSTRAINT_FIXED) {
             job->in_layer[i] = 1;
@@ -102,7 +114,7 @@ static int64_t hold_nodes(pl_job *job, const double *off) {
     return n;
 }
 
-int pl_heights_hold(pl_job *job, int64_t *n) {
+int pl_heights_hold(pl_job *job, int of_all, int64_t *n) {
     const size_t n_nodes = (size_t)job->mesh.n_nodes + 1;
     planish_layer_heights heights;
     *n = 0;
@@ -115,7 +127,7 @@ int pl_heights_hold(pl_job *job, int64_t *n) {
     const int status =
         has_memory ? measure(job, &heights, off) : pl_job_complain_memory(job, "heights of layers");
     if (has_memory && !status)
-        *n = hold_nodes(job, off);
+        *n = hold_nodes(job, of_all, off);
     job->wanted.n_held += *n;
     free(off);
     return status;

@@ -28,8 +28,8 @@ int pl_heights_begin(pl_job *job);
 int pl_heights_measure(const pl_job *job, pl_heights *heights);
 
 /** Hold the nodes of kept layers at heights that have changed by much, if there are any, in job->constraint;
- *  not where a wall was moved. *n: how many nodes are new. */
-int pl_heights_hold(pl_job *job, int64_t *n);
+ *  not where a wall was moved. of_all: those of all layers, if there are any. *n: how many nodes are new. */
+int pl_heights_hold(pl_job *job, int of_all, int64_t *n);
 
 /** Put lines on heights, if they are known. */
 void pl_heights_put(FILE *stream, const pl_job *job, const pl_heights *heights);

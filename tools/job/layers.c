@@ -164,9 +164,9 @@ int pl_layers_count(pl_job *job, const planish_quality *quality) {
         n_thin += quality->histogram_edges[i] >= RATIO_OF_THIN ? quality->histogram_counts[i] : 0;
     const int may_have = job->file_info.n_other_elements > 0 || pl_job_lacks_types(job) ||
                          (double)n_thin >= MANY_OF_THIN * (double)quality->n_elements;
-    /* Targets keep layers. */
-    if (job->arguments->layers != PL_LAYERS_BY_TYPE || !job->file || job->is_surface ||
-        job->like.place || (!may_have && !job->is_layer))
+    const int is_like = job->like.place && !pl_like_has_sizes(&job->like); /* targets keep layers */
+    if (job->arguments->layers != PL_LAYERS_BY_TYPE || !job->file || job->is_surface || is_like ||
+        (!may_have && !job->is_layer))
         return 0;
     int status = 0;
     if (job->is_layer) { /* known from reading */

@@ -95,6 +95,10 @@ typedef struct places {
     const char *column[4]; /* where these begin and end, at most at the line's end */
 } places;
 
+static int is_blank(const char *begin, const char *end) {
+    return io_slice_length(io_slice_trim((io_slice){begin, end})) == 0;
+}
+
 /** Find the coordinates in a line, which begins at begin: columns of that width begin at column
  *  first, words in text. Return 0, or -1: there are no three. */
 static int find_places(const char *begin, io_slice text, int64_t first, int64_t width,
@@ -120,9 +124,10 @@ static int find_places(const char *begin, io_slice text, int64_t first, int64_t 
     found->is_fixed = 1;
     for (int d = 0; d < 3; d++)
         found->number[d] = io_slice_trim((io_slice){found->column[d], found->column[d + 1]});
-    const io_slice rest = io_slice_trim((io_slice){found->column[3], text.end});
-    return is_behind && io_slice_length(found->number[2]) > 0 && io_slice_length(rest) == 0 ? 0
-                                                                                            : -1;
+    return is_behind && is_blank(text.begin, found->column[0]) &&
+                   io_slice_length(found->number[2]) > 0 && is_blank(found->column[3], text.end)
+               ? 0
+               : -1;
 }
 
 /** Find the beginning of the line that at is in. */
