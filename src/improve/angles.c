@@ -39,11 +39,18 @@ static int64_t put_back_nodes(const pl_run *r, int64_t element) {
     return n;
 }
 
+/** By how many more elements are invalid than at the start. Curved ones may be valid though corners are not
+ *  positive, which sums count as inverted. */
+static double invalid_more(const pl_run *r) {
+    return r->sums.inverted - (double)r->watch.n_turned -
+           (r->sums_at_start.inverted - (double)r->n_turned_at_start);
+}
+
 /** Whether every element that was valid must be: but where untangling may have invalidated some to
  *  repair more. */
 static int keeps_valid(const pl_run *r) {
-    const int is_untangled = r->plan->work.corner && r->result->untangling_sweeps > 0 &&
-                             r->sums.inverted < r->sums_at_start.inverted;
+    const int is_untangled =
+        r->plan->work.corner && r->result->untangling_sweeps > 0 && invalid_more(r) < 0;
     return pl_watch_is_on(&r->watch) && !is_untangled;
 }
 
@@ -102,7 +109,7 @@ static int is_worse(const pl_run *r) {
     const pl_star_limits now = pl_run_worst_limits(r, 1);
     return now.acuteness > r->limits_at_start.acuteness || now.rr2 > r->limits_at_start.rr2 ||
            (r->plan->work.corner && r->sums.radius_max > r->worst_at_start) ||
-           r->sums.inverted > r->sums_at_start.inverted ||
+           invalid_more(r) > 0 ||
            (pl_run_has_followers(r) && (r->sums.below > r->sums_at_start.below || has_risen(r)));
 }
 

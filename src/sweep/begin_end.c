@@ -183,6 +183,7 @@ int pl_run_begin(pl_run *r, planish_error *error) {
         return status;
     r->result->objective_before = pl_run_objective(r);
     r->sums_at_start = r->sums;
+    r->n_turned_at_start = r->watch.n_turned;
     begin_limits(r);
     r->watch.worst_ar2 = r->worst_at_start * PL_LIMIT_MARGIN;
     pl_run_prepare(r);

@@ -74,6 +74,7 @@ typedef struct pl_run {
         worst_at_start; /* with corners, whose worst those limits are: largest AR^2 of a cell with
                               a movable node; infinite: nothing is promised */
     pl_objective_sums sums_at_start;   /* of that mesh */
+    int64_t n_turned_at_start;         /* watch.n_turned of that mesh */
     double start_seconds, sweep_start; /* clock: of the call, of the sweep */
     pl_marked refusers; /* cells that keep refusing moves: their coefficients are constraints while
                            pl_run_sweeps is under way */

@@ -3,6 +3,8 @@
 #include "support/cell_meshes.h"
 #include "support/run.h"
 
+#include "geometry/cell.h"
+
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -261,6 +263,141 @@ static void bits_of_cells_do_not_depend_on_threads_or_kernel(void **state) {
     }
 }
 
+/* ---- periodic cells that are valid though straight corners are turned ----------------------------- */
+
+enum { SIDE = 3, CORNERS = (SIDE + 1) * (SIDE + 1) * (SIDE + 1), N_DRAWN = 40 };
+
+static double draw(uint64_t *seed) {
+    *seed = *seed * 6364136223846793005U + 1442695040888963407U;
+    return (double)(*seed >> 11) * 0x1p-53;
+}
+
+static int32_t corner_at(int i, int j, int k) {
+    return (int32_t)(i + (SIDE + 1) * (j + (SIDE + 1) * k));
+}
+
+/** Add part of a way to a corner's mids, which are those of edges. */
+static void move_mids(cell_box *box, int32_t corner, const double way[3], double part,
+                      uint8_t *is_moved) {
+    memset(is_moved, 0, (size_t)box->mesh.n_nodes);
+    for (int64_t c = 0; c < box->cells.n; c++)
+        for (int j = 8; j < 20; j++) {
+            const uint8_t *pair = pl_cell_type_of(PLANISH_CELL_HEXAHEDRON20)->between[j];
+            const int32_t *node = box->node + box->offset[c];
+            if ((node[pair[0]] != corner && node[pair[1]] != corner) || is_moved[node[j]])
+                continue;
+            is_moved[node[j]] = 1;
+            for (int d = 0; d < 3; d++)
+                box->x[3 * (int64_t)node[j] + d] += part * way[d];
+        }
+}
+
+static int is_inside(const double *x) {
+    return x[0] > 0 && x[1] > 0 && x[2] > 0 && x[0] < SIDE && x[1] < SIDE && x[2] < SIDE;
+}
+
+/** Push mids near the face of largest x about, so that cells become nearly invalid, but none does. */
+static void push_mids(cell_box *box, uint64_t *seed) {
+    enum { TRIES = 300 };
+    double now[SIDE * SIDE * SIDE], tried[SIDE * SIDE * SIDE];
+    planish_cell_quality quality;
+    const planish_cell_values first = {.jacobian_ratio = now}, then = {.jacobian_ratio = tried};
+    assert_int_equal(planish_measure_cells(&box->mesh, 0, 1, &quality, &first, NULL), 0);
+    for (int t = 0; t < TRIES; t++) {
+        const int64_t mid = CORNERS + (int64_t)(draw(seed) * (double)(box->mesh.n_nodes - CORNERS));
+        double *x = box->x + 3 * mid, old[3], sum = 0, least = 1;
+        if (!is_inside(x) || x[0] < SIDE - 1.1)
+            continue;
+        memcpy(old, x, sizeof old);
+        for (int d = 0; d < 3; d++)
+            x[d] += 0.4 * (2 * draw(seed) - 1);
+        assert_int_equal(planish_measure_cells(&box->mesh, 0, 1, &quality, &then, NULL), 0);
+        for (int c = 0; c < SIDE * SIDE * SIDE; c++) {
+            sum += tried[c] - now[c];
+            least = tried[c] != now[c] && tried[c] < least ? tried[c] : least;
+        }
+        if (sum < 0 && least > 0.005)
+            memcpy(now, tried, sizeof now);
+        else
+            memcpy(x, old, sizeof old);
+    }
+}
+
+/** A box of hexahedra of order 2, periodic along x: corners inside are drawn so far that straight cells would be
+ *  inverted, and their mids after them. */
+static cell_box *periodic_box(uint64_t seed, int32_t (*pair)[2], uint8_t *constraint,
+                              double *direction) {
+    cell_box *straight = cell_box_create(BOX_HEXAHEDRA, SIDE);
+    cell_box *box = cell_box_raise(straight, 0);
+    uint8_t *is_moved = malloc((size_t)box->mesh.n_nodes);
+    int n = 0;
+    cell_box_destroy(straight);
+    for (int t = 1 + (int)(3 * draw(&seed)); t > 0; t--) {
+        const int32_t v =
+            corner_at(1 + (draw(&seed) < 0.5), 1 + (draw(&seed) < 0.5), 1 + (draw(&seed) < 0.5));
+        double way[3];
+        for (int d = 0; d < 3; d++) {
+            way[d] = (draw(&seed) < 0.5 ? 1 : -1) * (0.3 + 0.1 * draw(&seed));
+            box->x[3 * v + d] += way[d];
+        }
+        move_mids(box, v, way, 0.75, is_moved);
+    }
+    for (int j = 0; j <= SIDE; j++)
+        for (int k = 0; k <= SIDE; k++, n++) {
+            const double way[3] = {0, draw(&seed) - 0.5, draw(&seed) - 0.5};
+            for (int end = 0; end < 2; end++) {
+                const int32_t v = pair[n][end] = corner_at(end * SIDE, j, k);
+                if (j == 0 || k == 0 || j == SIDE || k == SIDE)
+                    continue;
+                constraint[v] = PLANISH_CONSTRAINT_ON_PLANE;
+                direction[3 * v] = 1;
+                for (int d = 0; d < 3; d++)
+                    box->x[3 * v + d] += way[d];
+                move_mids(box, v, way, 0.5, is_moved);
+            }
+        }
+    push_mids(box, &seed);
+    free(is_moved);
+    return box;
+}
+
+/** Smooth a periodic box: no cell that was valid is not in the end, unless fewer are invalid. */
+static void check_periodic_box(uint64_t seed) {
+    enum { N_CELLS = SIDE * SIDE * SIDE, MOST_NODES = CORNERS + 3 * CORNERS };
+    static uint8_t constraint[MOST_NODES];
+    static double direction[3 * MOST_NODES];
+    int32_t pair[(SIDE + 1) * (SIDE + 1)][2];
+    uint8_t before[N_CELLS], after[N_CELLS];
+    const planish_cell_values of[] = {{.state = before}, {.state = after}};
+    planish_options options = test_options(1);
+    memset(constraint, 0, sizeof constraint);
+    memset(direction, 0, sizeof direction);
+    cell_box *box = periodic_box(seed, pair, constraint, direction);
+    box->mesh.periodic = pair[0];
+    box->mesh.n_periodic = sizeof pair / sizeof *pair;
+    box->mesh.constraint = constraint;
+    box->mesh.direction = direction;
+    options.max_sweeps = 80;
+    cell_run r = smooth_box(box, &options);
+    planish_mesh mesh = box->mesh;
+    int64_t n_broken = 0;
+    assert_int_equal(planish_measure_cells(&mesh, 0, 1, &r.before, &of[0], NULL), 0);
+    mesh.coordinates = r.x;
+    assert_int_equal(planish_measure_cells(&mesh, 0, 1, &r.after, &of[1], NULL), 0);
+    for (int c = 0; c < N_CELLS; c++)
+        n_broken += before[c] == PLANISH_CELL_STATE_VALID && after[c] != PLANISH_CELL_STATE_VALID;
+    if (n_broken > 0 && r.after.all.n_inverted >= r.before.all.n_inverted)
+        fail_msg("seed %d: %d cells", (int)seed, (int)n_broken);
+    free(r.x);
+    cell_box_destroy(box);
+}
+
+static void periodic_cells_that_are_valid_stay_so(void **state) {
+    (void)state;
+    for (uint64_t seed = 1; seed <= N_DRAWN; seed++)
+        check_periodic_box(seed);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(cells_of_every_type_are_untangled),
@@ -270,6 +407,7 @@ int main(void) {
         cmocka_unit_test(without_memory_cells_are_not_spoilt),
         cmocka_unit_test(hopeless_cells_are_named),
         cmocka_unit_test(bits_of_cells_do_not_depend_on_threads_or_kernel),
+        cmocka_unit_test(periodic_cells_that_are_valid_stay_so),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
