@@ -159,6 +159,24 @@ def _mfem(path):
     return Mesh(points, [(name, np.array(block, np.int64)) for name, block in cells.items()])
 
 
+def _su2(path):
+    """SU2, of several zones, too; meshio takes the numbers behind coordinates for coordinates."""
+    lines = iter(re.sub(r"%.*", "", pathlib.Path(path).read_text(encoding="latin1")).splitlines())
+    points, cells, dim, first = [], {}, 0, 0
+    for line in lines:
+        key, _, value = line.partition("=")
+        rows = (next(lines).split() for _ in range(int(value.split()[0]))) if key.strip() in ("NELEM", "NPOIN") else ()
+        if key.strip() == "NDIME":
+            dim, first = int(value), len(points)
+        elif key.strip() == "NPOIN":
+            points += [(list(map(float, row[:dim])) + [0.0])[:3] for row in rows]
+        for row in rows:
+            name = VTK_TYPES[int(row[0])]
+            n = SHAPES[name].n_corners if name in SHAPES else 2
+            cells.setdefault(name, []).append([first + int(node) for node in row[1:1 + n]])
+    return Mesh(np.array(points), [(name, np.array(block, np.int64)) for name, block in cells.items()])
+
+
 def _stl(path):
     """Equal points are one node, and nodes come as in the file: meshio sorts them."""
     content = pathlib.Path(path).read_bytes()
@@ -197,7 +215,7 @@ def _by_gmsh(path):
         gmsh.finalize()
 
 
-READERS = {".stl": (_stl,), ".vtk": (_by_meshio, _by_vtk), ".mesh": (_mfem, _by_gmsh),
+READERS = {".stl": (_stl,), ".su2": (_su2,), ".vtk": (_by_meshio, _by_vtk), ".mesh": (_mfem, _by_gmsh),
            **dict.fromkeys((".exo", ".e", ".ex2", ".exii", ".exoii", ".g", ".gen", ".genesis"), (_exodus,))}
 
 
