@@ -18,6 +18,8 @@
  * it if it is so much longer or shorter than the growth says, and a row varies if two uprights beside each
  * other are off it by factors that differ so much. */
 static const double STEADY = 1.05, OFF = 1.05, VARIES = 1.02;
+/* One of uprights beside each other that are off is off by more than this: else the row is uneven. */
+static const double MOVED = 1.25;
 /* No row is higher or lower than the next one by more than this factor if it is guessed from others. */
 static const double MOST_GROWTH = 2;
 /* An upright that differs from the median of those beside it by this factor becomes the median. */
@@ -41,8 +43,8 @@ typedef struct search {
 } search;
 
 /* What is known of an upright: it is off the growth; it points elsewhere; it gets another height; it is off
- * by far, though the rows are too few to call their growth steady. */
-enum { IS_OFF = 1, IS_TURNED = 2, IS_WILD = 4, IS_FAR = 8 };
+ * by far, though the rows are too few to call their growth steady; a wall was moved there. */
+enum { IS_OFF = 1, IS_TURNED = 2, IS_WILD = 4, IS_FAR = 8, IS_MOVED = 16 };
 
 /* ---- columns ---------------------------------------------------------------------------------- */
 
@@ -238,27 +240,41 @@ static int is_wild(const search *s, int64_t u) {
     return (s->is_off[u] & IS_TURNED) != 0;
 }
 
-/** Whether an upright beside a wild one is wild, too. */
-static int is_caught(const search *s, int32_t u) {
-    return !(s->is_off[u] & IS_WILD) && (s->is_off[u] & (IS_OFF | IS_FAR));
+/** Whether an upright is off by so much that a wall was moved. */
+static int is_moved(const search *s, int64_t u) {
+    return s->is_off[u] & (IS_TURNED | IS_FAR) || (s->off[u] > 0 && ratio_of(s->off[u], 1) > MOVED);
 }
 
-/** Find wild uprights, and those of their rows that are off the growth, too. */
-static void spread_wild(const search *s) {
-    int64_t n = 0;
-    for (int64_t u = 0; u < s->c->n_uprights; u++)
-        if (is_wild(s, u))
-            s->queue[n++] = (int32_t)u;
+/** Mark the n uprights of the queue, and those beside marked ones of which any of others is known. */
+static void spread(const search *s, int64_t n, uint8_t mark, uint8_t others) {
     for (int64_t k = 0; k < n; k++)
-        s->is_off[s->queue[k]] |= IS_WILD;
+        s->is_off[s->queue[k]] |= mark;
     for (int64_t k = 0; k < n; k++) {
         int32_t found[MOST_LOOKED_AT];
         for (int j = beside(s, s->queue[k], found); j-- > 1;)
-            if (is_caught(s, found[j])) {
-                s->is_off[found[j]] |= IS_WILD;
+            if (!(s->is_off[found[j]] & mark) && s->is_off[found[j]] & others) {
+                s->is_off[found[j]] |= mark;
                 s->queue[n++] = found[j];
             }
     }
+}
+
+/** Find wild uprights, and those of their rows that are off the growth, too: where a wall was moved. */
+static void find_wild(const search *s) {
+    const int64_t n_uprights = s->c->n_uprights;
+    int64_t n = 0;
+    for (int64_t u = 0; u < n_uprights; u++)
+        if (is_wild(s, u))
+            s->queue[n++] = (int32_t)u;
+    spread(s, n, IS_WILD, IS_OFF | IS_FAR);
+    n = 0;
+    for (int64_t u = 0; u < n_uprights; u++)
+        if (s->is_off[u] & IS_WILD && is_moved(s, u))
+            s->queue[n++] = (int32_t)u;
+    spread(s, n, IS_MOVED, IS_WILD);
+    for (int64_t u = 0; u < n_uprights; u++)
+        if (!(s->is_off[u] & IS_MOVED))
+            s->is_off[u] &= (uint8_t)~IS_WILD;
 }
 
 /** Return the height of an upright, or the median of it and those beside it if it is far off. */
@@ -312,7 +328,7 @@ static int find_told(search *s, planish_error *error) {
     if (status || !c->is_moved)
         return status ? status : pl_fail_memory(error, "the heights of layers");
     find_columns(s);
-    spread_wild(s);
+    find_wild(s);
     find_columns(s);
     mark_told(s);
     return PLANISH_OK;
