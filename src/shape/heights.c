@@ -52,7 +52,7 @@ static double ratio_of(double a, double b) {
     return a > b ? a / b : b / a;
 }
 
-/** Find how high the uprights are across the layer, and which of these point the other way. Those of
+/** Find how high the uprights are across the layer, and which of these point the other way: these are negative. Those of
  *  simplices whose levels are not known are as high as long. */
 static int find_lengths(const search *s, planish_error *error) {
     const pl_columns *c = s->c;
@@ -65,7 +65,7 @@ static int find_lengths(const search *s, planish_error *error) {
         double edge[3];
         pl_columns_edge(c, c->end[2 * u], c->end[2 * u + 1], edge);
         const double length = sqrt(pl_dot(3, edge, edge));
-        s->length[u] = n > 0 ? fabs(of[PL_UPRIGHT_HEIGHTS]) / n : length;
+        s->length[u] = n > 0 ? of[PL_UPRIGHT_HEIGHTS] / n : length;
         s->is_off[u] = n > 0 && !(of[PL_UPRIGHT_HEIGHTS] > 0) ? IS_TURNED : 0;
         c->leans[u] = s->is_off[u] != IS_TURNED && s->length[u] < LEANS * length &&
                       fabs(of[PL_UPRIGHT_COSINES]) >= ONE_WAY * n * (c->mesh->dim - 1);
@@ -324,6 +324,8 @@ static int find_told(search *s, planish_error *error) {
     int status = find_lengths(s, error);
     if (!status)
         status = pl_columns_find_sides(c, s->length, error);
+    for (int64_t u = 0; u < c->n_uprights; u++)
+        s->length[u] = fabs(s->length[u]);
     c->is_moved = status ? NULL : pl_alloc_zero(c->n_sides, sizeof *c->is_moved);
     if (status || !c->is_moved)
         return status ? status : pl_fail_memory(error, "the heights of layers");

@@ -32,6 +32,8 @@ static double length_at(const side_search *s, int64_t place) {
 static int do_rise(const side_search *s, int64_t place, int step) {
     const double enough = RISES * length_at(s, place);
     int64_t i = place;
+    if (!(enough > 0))
+        return 0;
     for (int n = 0; n < MOST_ROWS && length_at(s, i) < enough; n++, i += step)
         if (i + step < 0 || i + step >= s->n || !(length_at(s, i + step) > length_at(s, i)))
             return 0;
@@ -52,7 +54,7 @@ static double misfit_of(const side_search *s, int64_t place) {
     const double told = told_first(s, place - 2, -1) + told_first(s, place + 1, 1);
     const double sum = length_at(s, place - 1) + length_at(s, place);
     const double misfit = sum > told ? sum / told : told / sum;
-    return misfit <= SUMS_UP ? misfit : INFINITY;
+    return sum > 0 && misfit <= SUMS_UP ? misfit : INFINITY;
 }
 
 /** Find the first place from a place on that a column is to be cut before, the best one beside others; n: there

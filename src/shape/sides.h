@@ -8,7 +8,7 @@
 #include "shape/columns.h"
 
 /** Fill side and n_sides: layers on both sides of a surface make one column and two sides. length
- *  [n_uprights]. Errors: _MEMORY. */
+ *  [n_uprights]: negative of those that point the other way. Errors: _MEMORY. */
 int pl_columns_find_sides(pl_columns *c, const double *length, planish_error *error);
 
 #endif
