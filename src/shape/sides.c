@@ -14,7 +14,7 @@
 /* Heights of a side rise from the second row on by at least this factor, while each is higher than the one
  * before. Those of the two first rows sum up to what the rows after them tell, within this factor. */
 static const double RISES = 1.15, SUMS_UP = 1.2;
-enum { LEAST_ROWS = 3 }; /* of a side */
+enum { LEAST_ROWS = 4 }; /* of a side */
 enum { MOST_ROWS = 16 }; /* that are looked at */
 
 /** Column being cut. */
@@ -28,14 +28,15 @@ static double length_at(const side_search *s, int64_t place) {
     return s->length[s->upright[place]];
 }
 
-/** Whether heights rise from a place on. */
+/** Whether heights rise from a place on. The last row of a column does not count, as a wall may have been moved
+ *  there. */
 static int do_rise(const side_search *s, int64_t place, int step) {
     const double enough = RISES * length_at(s, place);
     int64_t i = place;
     if (!(enough > 0))
         return 0;
     for (int n = 0; n < MOST_ROWS && length_at(s, i) < enough; n++, i += step)
-        if (i + step < 0 || i + step >= s->n || !(length_at(s, i + step) > length_at(s, i)))
+        if (i + step <= 0 || i + step >= s->n - 1 || !(length_at(s, i + step) > length_at(s, i)))
             return 0;
     return length_at(s, i) >= enough;
 }
