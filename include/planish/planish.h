@@ -1144,16 +1144,16 @@ typedef struct planish_layer_heights {
     planish_layer_row all;
     planish_layer_row reference; /* of all in the reference: 1 but where a wall was moved */
     int64_t n_told;              /* edges whose wanted heights the rows inside have told */
-    int n_rows; /* rows in use: they are counted from the thin end of each column, */
+    int n_rows; /* rows in use: they are counted from thin ends, and from surfaces inside, */
     planish_layer_row row[PLANISH_LAYER_ROWS]; /* and the last one has all beyond it */
     double reserved[2];
 } planish_layer_heights;
 
 /** Compare the heights of the layers that mesh->is_layer marks with those in mesh->reference (NULL: in
  *  mesh->coordinates). off [n_nodes] (may be NULL) is filled with the largest |height / wanted - 1| of
- *  the edges at each node, 0 where a wall was moved or there is no layer. threads: as in
- *  planish_options. On failure heights is all 0, and off is untouched. Errors: _ARGUMENT, _MESH, _MEMORY,
- *  _PARTS (mesh->part). */
+ *  the edges at each node. Edges whose heights are told do not count, nor do others of a side whose wall was
+ *  moved far. It is 0 without a layer. threads: as in planish_options. On failure heights is all 0, and
+ *  off is untouched. Errors: _ARGUMENT, _MESH, _MEMORY, _PARTS (mesh->part). */
 PLANISH_API int planish_measure_layers(const planish_mesh *mesh, int threads,
                                        planish_layer_heights *heights, double *off,
                                        planish_error *error);

@@ -362,6 +362,7 @@ void pl_columns_destroy(pl_columns *c) {
     pl_free(c->node);
     pl_free(c->column);
     pl_free(c->place);
+    pl_free(c->side);
     pl_free(c->height);
     pl_free(c->leans);
     pl_free(c->is_told);

@@ -40,10 +40,12 @@ typedef struct pl_columns {
     int32_t *node;     /* [n_uprights + n_columns] ends of the uprights, one after the other */
     int32_t *column;   /* [n_uprights] of an upright, */
     int32_t *place;    /* [n_uprights] and its place in upright */
+    int64_t n_sides;   /* parts of columns that rise from one wall (sides.h): */
+    int64_t *side;     /* [n_sides + 1] in upright */
     double *height;    /* [n_uprights] how long it is to be */
     uint8_t *leans;    /* [n_uprights] 1: it leans over its layer for good, as the wall turns */
     uint8_t *is_told;  /* [n_uprights] 1: the rows inside tell its height, as a wall was moved */
-    uint8_t *is_moved; /* [n_columns] 1: its wall was moved */
+    uint8_t *is_moved; /* [n_sides] 1: its wall was moved by much */
 } pl_columns;
 
 /** Find the columns of the marked elements of mesh, and of flat or inverted ones that go on from them;

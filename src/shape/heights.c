@@ -2,13 +2,14 @@
  *
  * A height is that of its upright across the layer in the input, averaged along its row. Where a wall was moved the
  * first heights are not what they were, but the columns tell: rows grow evenly. An upright that points
- * against its column, or is off the growth of its column while others of its row are off by another
- * factor, gets the height by which the column goes on from the rows inside.
+ * against its column, or is a first one and off the growth of its side while others of its row are off by
+ * another factor, gets the height by which the side goes on from the rows inside.
  */
 #include "shape/heights.h"
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "shape/sides.h"
 #include "shape/upright_means.h"
 
 #include <math.h>
@@ -17,6 +18,8 @@
  * it if it is so much longer or shorter than the growth says, and a row varies if two uprights beside each
  * other are off it by factors that differ so much. */
 static const double STEADY = 1.05, OFF = 1.05, VARIES = 1.02;
+/* One of uprights beside each other that are off is off by more than this: else the row is uneven. */
+static const double MOVED = 1.25;
 /* No row is higher or lower than the next one by more than this factor if it is guessed from others. */
 static const double MOST_GROWTH = 2;
 /* An upright that differs from the median of those beside it by this factor becomes the median. */
@@ -40,8 +43,8 @@ typedef struct search {
 } search;
 
 /* What is known of an upright: it is off the growth; it points elsewhere; it gets another height; it is off
- * by far, though the rows are too few to call their growth steady. */
-enum { IS_OFF = 1, IS_TURNED = 2, IS_WILD = 4, IS_FAR = 8 };
+ * by far, though the rows are too few to call their growth steady; a wall was moved there. */
+enum { IS_OFF = 1, IS_TURNED = 2, IS_WILD = 4, IS_FAR = 8, IS_MOVED = 16 };
 
 /* ---- columns ---------------------------------------------------------------------------------- */
 
@@ -49,7 +52,7 @@ static double ratio_of(double a, double b) {
     return a > b ? a / b : b / a;
 }
 
-/** Find how high the uprights are across the layer, and which of these point the other way. Those of
+/** Find how high the uprights are across the layer, and which of these point the other way: these are negative. Those of
  *  simplices whose levels are not known are as high as long. */
 static int find_lengths(const search *s, planish_error *error) {
     const pl_columns *c = s->c;
@@ -62,7 +65,7 @@ static int find_lengths(const search *s, planish_error *error) {
         double edge[3];
         pl_columns_edge(c, c->end[2 * u], c->end[2 * u + 1], edge);
         const double length = sqrt(pl_dot(3, edge, edge));
-        s->length[u] = n > 0 ? fabs(of[PL_UPRIGHT_HEIGHTS]) / n : length;
+        s->length[u] = n > 0 ? of[PL_UPRIGHT_HEIGHTS] / n : length;
         s->is_off[u] = n > 0 && !(of[PL_UPRIGHT_HEIGHTS] > 0) ? IS_TURNED : 0;
         c->leans[u] = s->is_off[u] != IS_TURNED && s->length[u] < LEANS * length &&
                       fabs(of[PL_UPRIGHT_COSINES]) >= ONE_WAY * n * (c->mesh->dim - 1);
@@ -86,16 +89,16 @@ static int are_steady(const search *s, int64_t place) {
     return most <= STEADY * least;
 }
 
-/** Place in a column that heights are known best at: the longest upright of those that grow steadily, or
+/** Place in a side that heights are known best at: the longest upright of those that grow steadily, or
  *  else of those that are not known to be wrong, or else of all. An upright that a wall has stretched, or
  *  turned by much, is long, too. */
-static int64_t anchor_of(const search *s, int32_t column) {
+static int64_t anchor_of(const search *s, int64_t side) {
     const pl_columns *c = s->c;
-    const int64_t end = c->begin[column + 1];
-    int64_t best = c->begin[column];
+    const int64_t end = c->side[side + 1];
+    int64_t best = c->side[side];
     int best_rank = -1;
     int64_t steady_until = 0;
-    for (int64_t i = c->begin[column]; i < end; i++) {
+    for (int64_t i = c->side[side]; i < end; i++) {
         if (i + STEADY_ROWS <= end && are_steady(s, i))
             steady_until = i + STEADY_ROWS;
         const int32_t u = c->upright[i];
@@ -134,32 +137,63 @@ static int is_steady(const pl_columns *c, int64_t place, int step, int64_t n_kno
     return n_known >= STEADY_ROWS && most <= STEADY * least;
 }
 
-/** Find the heights of a column from the anchor to an end: lengths, but of those that are turned or wild
+/** Judge an upright by the height that rows inside tell. Growth is that of a layer only towards a wall: the last
+ *  upright is off it, if heights do not rise to there. */
+static void judge(const search *s, int32_t u, double told, double next, int is_last) {
+    if (!is_last || told > STEADY * next)
+        return;
+    if (s->off[u] > 0 && ratio_of(s->off[u], 1) > OFF)
+        s->is_off[u] |= IS_OFF;
+    if (!(ratio_of(s->length[u], told) <= OUTLIER))
+        s->is_off[u] |= IS_FAR;
+}
+
+/** Find the heights of a side from the anchor to an end: lengths, but of those that are turned or wild
  *  what the rows inside tell. */
-static void find_heights(const search *s, int32_t column, int64_t anchor, int step) {
+static void find_heights(const search *s, int64_t side, int64_t anchor, int step) {
     const pl_columns *c = s->c;
+    const int64_t begin = c->side[side], end = c->side[side + 1];
     int64_t n_known = 1;
-    for (int64_t i = anchor - step; i >= c->begin[column] && i < c->begin[column + 1]; i -= step) {
+    for (int64_t i = anchor - step; i >= begin && i < end; i -= step) {
         const int32_t u = c->upright[i];
         const double told = go_on(c, i, step, n_known);
         s->off[u] = is_steady(c, i, step, n_known) ? s->length[u] / told : 0;
-        if (s->off[u] > 0 && ratio_of(s->off[u], 1) > OFF)
-            s->is_off[u] |= IS_OFF;
-        if (n_known > 1 && !(ratio_of(s->length[u], told) <= OUTLIER))
-            s->is_off[u] |= IS_FAR;
+        if (n_known > 1)
+            judge(s, u, told, height_at(c, i, step, 1), i == (step > 0 ? begin : end - 1));
         c->height[u] = (s->is_off[u] & (IS_TURNED | IS_WILD)) ? told : s->length[u];
         n_known++;
     }
 }
 
+/** Whether the surface between two sides was moved: one first row has lost what the other one has got. */
+static int is_between_moved(const search *s, int32_t a, int32_t b) {
+    const int any = IS_OFF | IS_FAR | IS_TURNED;
+    const int is_low_a = s->is_off[a] & IS_TURNED || s->length[a] < s->length[b];
+    const int is_low_b = s->is_off[b] & IS_TURNED || s->length[b] < s->length[a];
+    return s->is_off[a] & any && s->is_off[b] & any && is_low_a != is_low_b;
+}
+
+/** Let first uprights beside a surface between two sides be off only if it was moved. */
+static void check_between(const search *s) {
+    const pl_columns *c = s->c;
+    for (int64_t k = 1; k < c->n_sides; k++) {
+        const int32_t a = c->upright[c->side[k] - 1], b = c->upright[c->side[k]];
+        if (c->column[a] == c->column[b] && !is_between_moved(s, a, b)) {
+            s->is_off[a] &= (uint8_t) ~(IS_OFF | IS_FAR);
+            s->is_off[b] &= (uint8_t) ~(IS_OFF | IS_FAR);
+        }
+    }
+}
+
 static void find_columns(const search *s) {
     const pl_columns *c = s->c;
-    for (int32_t k = 0; k < c->n_columns; k++) {
+    for (int64_t k = 0; k < c->n_sides; k++) {
         const int64_t anchor = anchor_of(s, k);
         c->height[c->upright[anchor]] = s->length[c->upright[anchor]];
         find_heights(s, k, anchor, 1);
         find_heights(s, k, anchor, -1);
     }
+    check_between(s);
 }
 
 /* ---- rows ------------------------------------------------------------------------------------- */
@@ -206,27 +240,41 @@ static int is_wild(const search *s, int64_t u) {
     return (s->is_off[u] & IS_TURNED) != 0;
 }
 
-/** Whether an upright beside a wild one is wild, too. */
-static int is_caught(const search *s, int32_t u) {
-    return !(s->is_off[u] & IS_WILD) && (s->is_off[u] & (IS_OFF | IS_FAR));
+/** Whether an upright is off by so much that a wall was moved. */
+static int is_moved(const search *s, int64_t u) {
+    return s->is_off[u] & (IS_TURNED | IS_FAR) || (s->off[u] > 0 && ratio_of(s->off[u], 1) > MOVED);
 }
 
-/** Find wild uprights, and those of their rows that are off the growth, too. */
-static void spread_wild(const search *s) {
-    int64_t n = 0;
-    for (int64_t u = 0; u < s->c->n_uprights; u++)
-        if (is_wild(s, u))
-            s->queue[n++] = (int32_t)u;
+/** Mark the n uprights of the queue, and those beside marked ones of which any of others is known. */
+static void spread(const search *s, int64_t n, uint8_t mark, uint8_t others) {
     for (int64_t k = 0; k < n; k++)
-        s->is_off[s->queue[k]] |= IS_WILD;
+        s->is_off[s->queue[k]] |= mark;
     for (int64_t k = 0; k < n; k++) {
         int32_t found[MOST_LOOKED_AT];
         for (int j = beside(s, s->queue[k], found); j-- > 1;)
-            if (is_caught(s, found[j])) {
-                s->is_off[found[j]] |= IS_WILD;
+            if (!(s->is_off[found[j]] & mark) && s->is_off[found[j]] & others) {
+                s->is_off[found[j]] |= mark;
                 s->queue[n++] = found[j];
             }
     }
+}
+
+/** Find wild uprights, and those of their rows that are off the growth, too: where a wall was moved. */
+static void find_wild(const search *s) {
+    const int64_t n_uprights = s->c->n_uprights;
+    int64_t n = 0;
+    for (int64_t u = 0; u < n_uprights; u++)
+        if (is_wild(s, u))
+            s->queue[n++] = (int32_t)u;
+    spread(s, n, IS_WILD, IS_OFF | IS_FAR);
+    n = 0;
+    for (int64_t u = 0; u < n_uprights; u++)
+        if (s->is_off[u] & IS_WILD && is_moved(s, u))
+            s->queue[n++] = (int32_t)u;
+    spread(s, n, IS_MOVED, IS_WILD);
+    for (int64_t u = 0; u < n_uprights; u++)
+        if (!(s->is_off[u] & IS_MOVED))
+            s->is_off[u] &= (uint8_t)~IS_WILD;
 }
 
 /** Return the height of an upright, or the median of it and those beside it if it is far off. */
@@ -248,16 +296,23 @@ static double robust_height(const search *s, int64_t u) {
 
 /* ---- all of it -------------------------------------------------------------------------------- */
 
-/** Mark columns with uprights that are turned or wild, and those whose heights the rows inside have told: not
- *  the anchor, which has its own. */
+/** Whether the wall at an upright was moved so far that other rows may have to make room. */
+static int is_far(const search *s, int32_t u) {
+    const double told = s->c->height[u];
+    return s->is_off[u] & IS_TURNED ||
+           (s->is_off[u] & IS_WILD && !(ratio_of(s->length[u], told) <= OUTLIER));
+}
+
+/** Mark sides whose walls were moved far, and uprights whose heights the rows inside have told: not the anchor,
+ *  which has its own. */
 static void mark_told(const search *s) {
     const pl_columns *c = s->c;
-    for (int32_t k = 0; k < c->n_columns; k++) {
+    for (int64_t k = 0; k < c->n_sides; k++) {
         const int64_t anchor = anchor_of(s, k);
-        for (int64_t i = c->begin[k]; i < c->begin[k + 1]; i++) {
-            const uint8_t is_off = (s->is_off[c->upright[i]] & (IS_TURNED | IS_WILD)) != 0;
-            c->is_moved[k] = c->is_moved[k] || is_off;
-            c->is_told[c->upright[i]] = is_off && i != anchor;
+        for (int64_t i = c->side[k]; i < c->side[k + 1]; i++) {
+            const int32_t u = c->upright[i];
+            c->is_moved[k] |= (uint8_t)is_far(s, u);
+            c->is_told[u] = i != anchor && (s->is_off[u] & (IS_TURNED | IS_WILD)) != 0;
         }
     }
 }
@@ -265,11 +320,17 @@ static void mark_told(const search *s) {
 /** Find heights as the input and the growth tell, and which are told by the growth. */
 static int find_told(search *s, planish_error *error) {
     list_cells(s);
-    const int status = find_lengths(s, error);
-    if (status)
-        return status;
+    pl_columns *c = s->c;
+    int status = find_lengths(s, error);
+    if (!status)
+        status = pl_columns_find_sides(c, s->length, error);
+    for (int64_t u = 0; u < c->n_uprights; u++)
+        s->length[u] = fabs(s->length[u]);
+    c->is_moved = status ? NULL : pl_alloc_zero(c->n_sides, sizeof *c->is_moved);
+    if (status || !c->is_moved)
+        return status ? status : pl_fail_memory(error, "the heights of layers");
     find_columns(s);
-    spread_wild(s);
+    find_wild(s);
     find_columns(s);
     mark_told(s);
     return PLANISH_OK;
@@ -299,15 +360,14 @@ int pl_columns_find_heights(pl_columns *c, int is_smooth, planish_error *error) 
     c->height = pl_alloc_zero(n, sizeof *c->height);
     c->leans = pl_alloc_zero(n, sizeof *c->leans);
     c->is_told = pl_alloc_zero(n, sizeof *c->is_told);
-    c->is_moved = pl_alloc_zero(c->n_columns, sizeof *c->is_moved);
     s.length = pl_alloc(n, sizeof *s.length);
     s.off = pl_alloc_zero(n, sizeof *s.off);
     s.is_off = pl_alloc_zero(n, sizeof *s.is_off);
     s.first = pl_alloc_zero(n + 2, sizeof *s.first);
     s.cell = pl_alloc(n_at, sizeof *s.cell);
     s.queue = pl_alloc(n, sizeof *s.queue);
-    const int is_there = c->height && c->leans && c->is_told && c->is_moved && s.length && s.off &&
-                         s.is_off && s.first && s.cell && s.queue;
+    const int is_there = c->height && c->leans && c->is_told && s.length && s.off && s.is_off &&
+                         s.first && s.cell && s.queue;
     int status = is_there ? find_told(&s, error) : pl_fail_memory(error, "the heights of layers");
     if (!status && is_smooth)
         status = smooth_all(&s, error);

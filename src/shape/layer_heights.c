@@ -24,7 +24,7 @@ typedef struct row_search {
     double *ratio;        /* [n_uprights] of one row */
 } row_search;
 
-/** Find the place in a column of the highest upright; of those that are as high the last one. */
+/** Find the place in a side of the highest upright; of those that are as high the last one. */
 static int64_t highest_of(const pl_columns *c, int64_t begin, int64_t end) {
     int64_t best = begin;
     for (int64_t i = begin; i < end; i++)
@@ -34,11 +34,11 @@ static int64_t highest_of(const pl_columns *c, int64_t begin, int64_t end) {
     return c->height[c->upright[end - 1]] >= enough ? end - 1 : best;
 }
 
-/** Number the rows: from both ends of each column, which are thin, to the highest upright. */
+/** Number the rows: from both ends of each side, which are thin, to the highest upright. */
 static void number_rows(const row_search *s) {
     const pl_columns *c = s->c;
-    for (int64_t k = 0; k < c->n_columns; k++) {
-        const int64_t begin = c->begin[k], end = c->begin[k + 1], top = highest_of(c, begin, end);
+    for (int64_t k = 0; k < c->n_sides; k++) {
+        const int64_t begin = c->side[k], end = c->side[k + 1], top = highest_of(c, begin, end);
         for (int64_t i = begin; i < end; i++) {
             const int64_t up = i - begin, down = end - 1 - i;
             const int64_t row = i < top ? up : i > top ? down : up > down ? up : down;
@@ -68,15 +68,15 @@ static planish_layer_row measure_row(const row_search *s, int row) {
     return found;
 }
 
-/** Find how far the heights at each node are off, in columns whose walls were not moved. */
+/** Find how far the heights at each node are off: not those that are told, nor under walls that were moved far. */
 static void find_off(const row_search *s, double *off) {
     const pl_columns *c = s->c;
     for (int64_t i = 0; i < c->mesh->n_nodes; i++)
         off[i] = 0;
-    for (int64_t k = 0; k < c->n_columns; k++)
-        for (int64_t i = c->begin[k]; i < c->begin[k + 1] && !c->is_moved[k]; i++) {
+    for (int64_t k = 0; k < c->n_sides; k++)
+        for (int64_t i = c->side[k]; i < c->side[k + 1] && !c->is_moved[k]; i++) {
             const int32_t u = c->upright[i];
-            const double by = fabs(s->height[u] / c->height[u] - 1);
+            const double by = c->is_told[u] ? 0 : fabs(s->height[u] / c->height[u] - 1);
             for (int end = 0; end < 2 && isfinite(by); end++)
                 off[c->end[2 * u + end]] = fmax(off[c->end[2 * u + end]], by);
         }

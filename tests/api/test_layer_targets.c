@@ -419,6 +419,124 @@ static void heights_are_measured_under_moved_walls(void **state) {
         }
 }
 
+/** Let layers rise from the middle of the box to both sides, on a surface that is wavy; nodes are pushed along
+ *  by up to amount. */
+static void make_two_sided(layers *l, double amount) {
+    const int dim = l->mesh.dim;
+    push_along(l, amount, 1);
+    for (int64_t i = 0; i < l->mesh.n_nodes; i++) {
+        const double z = l->box->x[i * dim + dim - 1];
+        const int level = (int)lround(log(z * (GROWTH - 1) / FIRST + 1) / log(GROWTH)) - N / 2;
+        const double height = FIRST * (pow(GROWTH, abs(level)) - 1) / (GROWTH - 1);
+        l->box->x[i * dim + dim - 1] = level < 0 ? -height : height;
+        l->x[i * dim + dim - 1] = l->box->x[i * dim + dim - 1] + 0.2 * sin(0.6 * l->x[i * dim]);
+    }
+}
+
+/* Layers on both sides of a surface: nothing was moved, though heights fall and rise again. */
+static void surfaces_between_layers_are_no_moved_walls(void **state) {
+    (void)state;
+    for (int k = 0; k < N_KINDS; k++) {
+        layers l = make_layers(kinds[k]);
+        make_two_sided(&l, 0.03);
+        const planish_layer_heights heights = heights_of(&l, NULL);
+        assert_int_equal(heights.n_told, 0);
+        expect_row(&heights.all, heights.all.n, 1, 1, 1);
+        forget(&l);
+    }
+}
+
+/* Their rows are counted from there. */
+static void rows_are_counted_from_surfaces_between_layers(void **state) {
+    (void)state;
+    for (int k = 0; k < N_KINDS; k++) {
+        layers l = make_layers(kinds[k]);
+        const int dim = l.mesh.dim;
+        const int64_t in_row = dim == 3 ? (N + 1) * (N + 1) : N + 1;
+        make_two_sided(&l, 0);
+        for (int64_t i = 0; i < l.mesh.n_nodes; i++) {
+            const double z = l.box->x[i * dim + dim - 1];
+            double height = 0;
+            for (int row = 0; row < N / 2; row++)
+                if (fabs(z) > FIRST * (pow(GROWTH, row) - 1) / (GROWTH - 1) + 1e-9)
+                    height += FIRST * pow(GROWTH, row) * (1 + 0.01 * (row + 1));
+            l.x[i * dim + dim - 1] = z < 0 ? -height : height;
+        }
+        const planish_layer_heights heights = heights_of(&l, l.box->x);
+        assert_int_equal(heights.n_rows, N / 2);
+        for (int row = 0; row < N / 2; row++)
+            expect_row(&heights.row[row], 2 * in_row, 1.01 + 0.01 * row, 1.01 + 0.01 * row,
+                       1.01 + 0.01 * row);
+        forget(&l);
+    }
+}
+
+/* A surface between layers was moved, also through a row: both of its rows are told what they were. */
+static void moved_surfaces_between_layers_tell_both_sides(void **state) {
+    (void)state;
+    static const double depths[] = {0.6, -0.6, 1.4, -1.4};
+    for (int k = 0; kinds[k] < TRIANGLES; k++)
+        for (int depth = 0; depth < 4; depth++) {
+            layers l = make_layers(kinds[k]);
+            const int dim = l.mesh.dim;
+            make_two_sided(&l, 0);
+            memcpy(l.x, l.box->x, (size_t)(l.mesh.n_nodes * dim) * sizeof *l.x);
+            double *moved = test_copy_of(&l.mesh);
+            for (int64_t i = 0; i < l.mesh.n_nodes; i++)
+                if (fabs(l.x[i * dim + dim - 1]) < 1e-9)
+                    moved[i * dim + dim - 1] +=
+                        depths[depth] * FIRST * sin(l.x[i * dim] * 3.14159265358979 / N);
+            const planish_layer_heights heights = heights_of(&l, moved);
+            assert_true(heights.n_told >= 2 * (N - 3));
+            assert_true(fabs(heights.all.min - 1) < 0.1 && fabs(heights.all.max - 1) < 0.1);
+            free(moved);
+            forget(&l);
+        }
+}
+
+/* First heights that differ by some percent are uneven. */
+static void uneven_heights_are_no_moved_walls(void **state) {
+    (void)state;
+    for (int k = 0; k < N_KINDS; k++) {
+        layers l = make_layers(kinds[k]);
+        const int dim = l.mesh.dim;
+        for (int64_t i = 0; i < l.mesh.n_nodes; i++)
+            if (l.x[i * dim + dim - 1] < 1e-9)
+                l.x[i * dim + dim - 1] += (i % 2 ? 0.1 : -0.1) * FIRST;
+        assert_int_equal(heights_of(&l, NULL).n_told, 0);
+        forget(&l);
+    }
+}
+
+/* Over a wall that was moved by a part of the first height other heights are to stay: off tells of them. */
+static void rows_over_moved_walls_may_be_off(void **state) {
+    (void)state;
+    for (int k = 0; k < N_KINDS; k++)
+        for (int is_far = 0; is_far < 2; is_far++) {
+            layers l = make_layers(kinds[k]);
+            const int dim = l.mesh.dim;
+            double *off = allocate(l.mesh.n_nodes, sizeof *off), worst = 0;
+            planish_layer_heights heights;
+            planish_error error;
+            move_wall(&l, is_far ? 0.6 : 0.25);
+            double *moved = test_copy_of(&l.mesh);
+            for (int64_t i = 0; i < l.mesh.n_nodes; i++) /* the fifth row grows by a quarter */
+                if (l.box->x[i * dim + dim - 1] > FIRST * (pow(GROWTH, 4.5) - 1) / (GROWTH - 1))
+                    l.x[i * dim + dim - 1] += 0.25 * FIRST * pow(GROWTH, 4);
+            l.mesh.reference = moved;
+            assert_int_equal(planish_measure_layers(&l.mesh, 1, &heights, off, &error), 0);
+            assert_true(heights.n_told > 0);
+            for (int64_t i = 0; i < l.mesh.n_nodes; i++)
+                if (fabs(l.box->x[i * dim] - N / 2) < 1e-9 &&
+                    (dim == 2 || fabs(l.box->x[i * dim + 1] - N / 2) < 1e-9))
+                    worst = fmax(worst, off[i]);
+            assert_true(is_far ? worst == 0 : fabs(worst - 0.25) < 1e-6);
+            free(moved);
+            free(off);
+            forget(&l);
+        }
+}
+
 /* A corner that is turned over cancels the height of the only element at an upright, but for rounding: none is
  * wanted then. */
 static void cancelled_heights_are_not_wanted(void **state) {
@@ -651,6 +769,11 @@ int main(void) {
         cmocka_unit_test(heights_are_measured_by_rows),
         cmocka_unit_test(heights_are_measured_at_any_scale),
         cmocka_unit_test(heights_are_measured_under_moved_walls),
+        cmocka_unit_test(surfaces_between_layers_are_no_moved_walls),
+        cmocka_unit_test(rows_are_counted_from_surfaces_between_layers),
+        cmocka_unit_test(moved_surfaces_between_layers_tell_both_sides),
+        cmocka_unit_test(uneven_heights_are_no_moved_walls),
+        cmocka_unit_test(rows_over_moved_walls_may_be_off),
         cmocka_unit_test(cancelled_heights_are_not_wanted),
         cmocka_unit_test(heights_of_one_turned_row_are_not_told),
         cmocka_unit_test(heights_need_marks),

@@ -181,6 +181,57 @@ best = [line.split() for line in open("out") if line.startswith("  with --best")
 assert float(best[5]) < 2, best
 END2
 
+# ---- layers on both sides of a surface that is wavy, and a wall that was moved in a valid mesh
+
+# sides.py KIND DEPTH: ROWS rows rise to both sides of a surface in the middle. Columns inside are bent along the layer.
+# The lowest wall is moved by DEPTH of the heights there.
+cat >sides.py <<'END2'
+import itertools
+import math
+import random
+import sys
+import box_file
+
+kind, depth = sys.argv[1], float(sys.argv[2])
+N, ROWS, GROWTH, FIRST = 10, 9, 1.25, 0.02
+sides = [N] * (box_file.dimension(kind) - 1) + [2 * ROWS]
+random.seed(1)
+number, points = {}, []
+for at in itertools.product(*(range(n + 1) for n in sides)):
+    is_inside = all(0 < a < n for a, n in zip(at, sides))
+    p = [c + 0.03 * random.uniform(-1, 1) * is_inside for c in at[:-1]]
+    level = at[-1] - ROWS
+    height = math.copysign(FIRST * (GROWTH ** abs(level) - 1) / (GROWTH - 1), level)
+    p.append(height + 0.3 * math.sin(0.6 * p[0]))
+    number[at] = len(points) + 1
+    points.append(p)
+print(box_file.medit(kind, points, box_file.elements(kind, sides, number)))
+END2
+for kind in quads hexes prisms; do
+    python3 sides.py $kind 0 >sides.mesh
+    expect_status 0 "$program" smooth sides.mesh -o out.mesh --json report.json
+    expect_json 'r["before"]["inverted"] == 0 and r["layer_heights"]["told_by_rows_inside"] == 0'
+    expect_json '0.9 <= r["layer_heights"]["min"] and r["layer_heights"]["max"] <= 1.1'
+    expect_json 'len(r["layer_heights"]["rows"]) <= 9'
+    ! grep -q "heights of layers are" err || fail "$kind: there is nothing to note: $(cat err)"
+    ! grep -q "A wall was moved" out || fail "$kind: no wall was moved"
+    # Where nothing needs to move nothing is said of walls.
+    expect_status 0 "$program" smooth sides.mesh -o out.mesh --only-worse-than 1000
+    ! grep -q "those wanted" out err || fail "$kind: heights are those before: $(cat err)"
+    # First heights that were moved come back, also in a valid mesh.
+    for depth in 0.6 -1 -3; do
+        python3 make.py $kind $depth 0 >moved.mesh
+        expect_status 0 "$program" smooth moved.mesh -o out.mesh --json report.json
+        expect_json 'r["before"]["inverted"] == 0 and r["layer_heights"]["told_by_rows_inside"] > 0'
+        expect_json 'r["layer_heights"]["held_nodes"] == 0'
+        below "$(python3 heights.py $kind out.mesh 3)" 0.15 || fail "$kind: heights $(python3 heights.py $kind out.mesh 3)"
+    done
+done
+# There may be no mesh from before.
+python3 make.py quads -9 0 8 >moved.mesh
+expect_status 0 "$program" smooth moved.mesh -o out.mesh --layers keep
+expect_text ": --like FILE, the mesh before its wall moved, keeps them better, and --layers hold keeps them as they are"
+
 # ---- prisms over a wall, tetrahedra over these: all that are thin keep their heights
 
 python3 - >mixed.mesh <<'END2'

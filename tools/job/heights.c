@@ -224,7 +224,8 @@ void pl_heights_note(FILE *stream, const pl_job *job, const pl_heights *heights)
             compared_with(job, heights), row, row == PLANISH_LAYER_ROWS ? " or above" : "",
             is_like(job) ? ""
             : heights->of.n_told > 0
-                ? ": --like FILE, the mesh before its wall moved, keeps them better"
+                ? ": --like FILE, the mesh before its wall moved, keeps them better, and "
+                  "--layers hold keeps them as they are"
             : job->layers.n_kept == 0 ? ": --layers keep, or --fix-layers, keeps them"
                                       : ": --layers hold keeps them all");
 }
