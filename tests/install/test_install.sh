@@ -123,6 +123,9 @@ run cmake --build "$work/sub" -j 2
 expect_run "$work/sub/consumer"
 [ -z "$(find "$work/sub" -name 'libplanish_io*' -o -name planish_program -o -name 'libplanish.so*')" ] ||
     fail "add_subdirectory builds more than the library"
+run cmake "$work/sub" -DPLANISH_IO=ON -DPLANISH_HDF5=OFF
+run cmake --build "$work/sub" -j 2
+expect_run "$work/sub/consumer_io" "$source_dir/docs/examples/bracket.msh"
 
 # ---- the program, its manual and completion -----------------------------------------------------
 expect_run "$prefix/bin/planish" --version
