@@ -118,7 +118,7 @@ grep -q "version: 0.2.0" "$work/log" || fail "version 0.3 is refused for another
 
 run cmake -S "$here/subdirectory" -B "$work/sub" -DPLANISH_SOURCE="$source_dir" \
     -DCMAKE_BUILD_TYPE=Debug -DCMAKE_C_FLAGS="-O1 -Werror -Werror=float-equal" \
-    -DCMAKE_COMPILE_WARNING_AS_ERROR=ON -DPLANISH_X86_KERNELS=OFF # soon built
+    -DCMAKE_COMPILE_WARNING_AS_ERROR=ON -DCMAKE_UNITY_BUILD=ON -DPLANISH_X86_KERNELS=OFF # soon built
 run cmake --build "$work/sub" -j 2
 expect_run "$work/sub/consumer"
 [ -z "$(find "$work/sub" -name 'libplanish_io*' -o -name planish_program -o -name 'libplanish.so*')" ] ||
