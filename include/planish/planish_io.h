@@ -256,8 +256,8 @@ typedef struct planish_group {
 
 /** List the groups of the file: *groups [*n], which the file owns; first groups with names, then other
  *  groups with elements or nodes. A name is listed once for each dimension, with the elements of all its
- *  numbers (one in two of them counts twice); for planish_hold it is one group. Errors: _ARGUMENT (file is
- *  NULL), _MEMORY; *n is then 0. */
+ *  numbers (one in two of them counts twice); for planish_hold it is one group. Errors: _ARGUMENT (one
+ *  of the pointers is NULL), _MEMORY; *n is then 0. */
 PLANISH_API int planish_file_groups(planish_file *file, const planish_group **groups, int64_t *n,
                                     planish_error *error);
 
