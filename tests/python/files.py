@@ -107,6 +107,17 @@ class Files(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)
 
+    def test_null_bytes(self):
+        """A path or a name that C would cut is refused, and the file of the first part stays."""
+        mesh, victim = read(DATA / "ascii.vtk"), self.folder / "victim.vtk"
+        victim.write_text("mine")
+        cut = f"{victim}\0other.vtk"
+        for call in (lambda: mesh.write(cut), lambda: planish.write(mesh, cut), lambda: read(cut),
+                     lambda: read(DATA / "ascii.vtk", format="vtk\0"), lambda: mesh.data("a\0b"),
+                     lambda: mesh.held("a\0b"), lambda: planish.smooth(mesh, min_volume={"a\0b": 1e-9})):
+            self.assertRaisesRegex(ValueError, "null byte", call)
+        self.assertEqual(victim.read_text(), "mine")
+
     def same_as_the_program(self, path, options=(), may_stay=False, **keywords):
         """Smooth a file by both, and compare what they write."""
         path = pathlib.Path(path)
