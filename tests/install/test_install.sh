@@ -109,6 +109,12 @@ expect_run "$work/cpp/consumer_io" "$source_dir/docs/examples/bracket.msh"
 run cmake -S "$here/c_alone" -B "$work/c_alone" -DCMAKE_PREFIX_PATH="$prefix"
 run cmake --build "$work/c_alone"
 expect_run "$work/c_alone/consumer" "$source_dir/docs/examples/bracket.msh"
+# A package without the static libraries serves those who use the shared ones.
+cp -R "$prefix" "$work/shared_alone"
+find "$work/shared_alone" -name '*.a' -delete
+run cmake -S "$here/find_package" -B "$work/cpp_shared" -DCMAKE_PREFIX_PATH="$work/shared_alone"
+run cmake --build "$work/cpp_shared"
+expect_run "$work/cpp_shared/consumer"
 mkdir "$work/newer"
 sed 's/planish 0.2/planish 0.3/' "$here/find_package/CMakeLists.txt" >"$work/newer/CMakeLists.txt"
 cp "$here/find_package/main.cpp" "$work/newer/"
