@@ -132,6 +132,11 @@ expect_run "$work/sub/consumer"
 run cmake "$work/sub" -DPLANISH_IO=ON -DPLANISH_HDF5=OFF
 run cmake --build "$work/sub" -j 2
 expect_run "$work/sub/consumer_io" "$source_dir/docs/examples/bracket.msh"
+# A project around without a type of build installs planish with what finds its libraries.
+run cmake -S "$here/subdirectory" -B "$work/typeless" -DPLANISH_SOURCE="$source_dir" -DPLANISH_INSTALL=ON
+for name in planishTargets planishStaticTargets; do
+    [ -n "$(find "$work/typeless" -name "$name-noconfig.cmake")" ] || fail "$name is of another type of build"
+done
 
 # ---- the program, its manual and completion -----------------------------------------------------
 expect_run "$prefix/bin/planish" --version
