@@ -739,9 +739,9 @@ typedef struct planish_options {
                                planish_smooth visits only stars with a bad element.
                                planish_plan_create lets only nodes of bad elements move, so that
                                a plan for few nodes is cheap; sweeps then end a little earlier */
-    int rings;              /* also move nodes of this many rings of elements around, 0 .. 100; 0
-                               without only_worse_than and around. With only_worse_than,
-                               elements that are not positive have at least 4 rings */
+    int rings;              /* also move nodes of this many rings of elements around, 0 .. 100;
+                               ignored without only_worse_than and around. With
+                               only_worse_than, elements that are not positive have at least 4 */
     /* In planish_plan_create: only these nodes can move, and the nodes of `rings` rings of elements
        around them. The plan knows nothing about the rest of the mesh; see there. */
     int64_t n_around;               /* at least 1 with around, 0 without */

@@ -46,7 +46,8 @@ PLANISH_API const char *planish_io_version(void);
 typedef struct planish_file planish_file;
 
 /** Read the file at path, or the mesh in the folder at path. format: a name of planish_file_formats, or
- *  NULL to detect it by content, then by extension. threads: 0 as many as OpenMP would use.
+ *  NULL to detect it by content, then by extension. threads: 0 as many as OpenMP would use. In a
+ *  child of fork all calls on the file use one, but for planish_write_options.threads.
  *  Errors: _FILE, _FORMAT, _MEMORY, _ARGUMENT (unknown format). */
 PLANISH_API int planish_file_open(const char *path, const char *format, int threads,
                                   planish_file **file, planish_error *error);
@@ -255,8 +256,8 @@ typedef struct planish_group {
 
 /** List the groups of the file: *groups [*n], which the file owns; first groups with names, then other
  *  groups with elements or nodes. A name is listed once for each dimension, with the elements of all its
- *  numbers (one in two of them counts twice); for planish_hold it is one group. Errors: _ARGUMENT (file is
- *  NULL), _MEMORY; *n is then 0. */
+ *  numbers (one in two of them counts twice); for planish_hold it is one group. Errors: _ARGUMENT (one
+ *  of the pointers is NULL), _MEMORY; *n is then 0. */
 PLANISH_API int planish_file_groups(planish_file *file, const planish_group **groups, int64_t *n,
                                     planish_error *error);
 
@@ -373,7 +374,7 @@ PLANISH_API int planish_file_check_output(const planish_file *file, const char *
 
 /** How a file is written. */
 typedef struct planish_write_options {
-    int threads;             /* 0: as many as OpenMP would use */
+    int threads;             /* 0: as many as OpenMP would use; after a fork one */
     char *temporary;         /* list of the paths of temporary files, or NULL */
     size_t temporary_size;   /* bytes of temporary */
     const void *reserved[4]; /* NULL */

@@ -109,6 +109,12 @@ expect_run "$work/cpp/consumer_io" "$source_dir/docs/examples/bracket.msh"
 run cmake -S "$here/c_alone" -B "$work/c_alone" -DCMAKE_PREFIX_PATH="$prefix"
 run cmake --build "$work/c_alone"
 expect_run "$work/c_alone/consumer" "$source_dir/docs/examples/bracket.msh"
+# A package without the static libraries serves those who use the shared ones.
+cp -R "$prefix" "$work/shared_alone"
+find "$work/shared_alone" -name '*.a' -delete
+run cmake -S "$here/find_package" -B "$work/cpp_shared" -DCMAKE_PREFIX_PATH="$work/shared_alone"
+run cmake --build "$work/cpp_shared"
+expect_run "$work/cpp_shared/consumer"
 mkdir "$work/newer"
 sed 's/planish 0.2/planish 0.3/' "$here/find_package/CMakeLists.txt" >"$work/newer/CMakeLists.txt"
 cp "$here/find_package/main.cpp" "$work/newer/"
@@ -118,11 +124,19 @@ grep -q "version: 0.2.0" "$work/log" || fail "version 0.3 is refused for another
 
 run cmake -S "$here/subdirectory" -B "$work/sub" -DPLANISH_SOURCE="$source_dir" \
     -DCMAKE_BUILD_TYPE=Debug -DCMAKE_C_FLAGS="-O1 -Werror -Werror=float-equal" \
-    -DCMAKE_COMPILE_WARNING_AS_ERROR=ON -DPLANISH_X86_KERNELS=OFF # soon built
+    -DCMAKE_COMPILE_WARNING_AS_ERROR=ON -DCMAKE_UNITY_BUILD=ON -DPLANISH_X86_KERNELS=OFF # soon built
 run cmake --build "$work/sub" -j 2
 expect_run "$work/sub/consumer"
 [ -z "$(find "$work/sub" -name 'libplanish_io*' -o -name planish_program -o -name 'libplanish.so*')" ] ||
     fail "add_subdirectory builds more than the library"
+run cmake "$work/sub" -DPLANISH_IO=ON -DPLANISH_HDF5=OFF
+run cmake --build "$work/sub" -j 2
+expect_run "$work/sub/consumer_io" "$source_dir/docs/examples/bracket.msh"
+# A project around without a type of build installs planish with what finds its libraries.
+run cmake -S "$here/subdirectory" -B "$work/typeless" -DPLANISH_SOURCE="$source_dir" -DPLANISH_INSTALL=ON
+for name in planishTargets planishStaticTargets; do
+    [ -n "$(find "$work/typeless" -name "$name-noconfig.cmake")" ] || fail "$name is of another type of build"
+done
 
 # ---- the program, its manual and completion -----------------------------------------------------
 expect_run "$prefix/bin/planish" --version

@@ -69,6 +69,22 @@ static void reserved_fields_are_refused(void **state) {
                    "planish_open_options");
 }
 
+static void lists_need_their_results(void **state) {
+    (void)state;
+    char path[TEST_PATH_SIZE];
+    planish_file *file;
+    planish_error error;
+    const planish_group *groups;
+    int64_t n = 7;
+    assert_true(test_data_path(path, &(test_data_file){"medit.mesh", "medit", 1}));
+    assert_int_equal(planish_file_open(path, NULL, 1, &file, NULL), 0);
+    expect_refusal(planish_file_groups(file, NULL, &n, &error), &error, "groups");
+    assert_int_equal(n, 0);
+    expect_refusal(planish_file_groups(file, &groups, NULL, &error), &error, "groups");
+    planish_file_close(file);
+    expect_refusal(planish_file_groups(NULL, &groups, &n, &error), &error, "file");
+}
+
 static void the_version_is_that_of_both_libraries(void **state) {
     (void)state;
     assert_string_equal(planish_io_version(), PLANISH_VERSION);
@@ -79,6 +95,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_file_is_null),
         cmocka_unit_test(reserved_fields_are_refused),
+        cmocka_unit_test(lists_need_their_results),
         cmocka_unit_test(the_version_is_that_of_both_libraries),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -6,6 +6,7 @@ import os
 import pathlib
 import pickle
 import subprocess
+import sys
 import tempfile
 import types
 import unittest
@@ -64,11 +65,59 @@ def read(path, **options):
         raise
 
 
+THREADS = """
+import os, pathlib, sys
+import planish
+path, out = map(pathlib.Path, sys.argv[1:])
+mesh = planish.read(path, threads=3)
+n = len(os.listdir("/proc/self/task"))
+planish.smooth(mesh, threads=3, max_sweeps=1)
+assert len(os.listdir("/proc/self/task")) == n, "it was read without the threads that smooth it"
+if os.fork() == 0:  # one that hangs is ended
+    mesh.data("height")
+    mesh.write(out)
+    mesh.write(out.with_suffix(".msh"))
+    assert len(planish.read(out).points) == len(mesh.points)
+    os._exit(0)
+sys.exit(os.wait()[1] != 0)
+"""
+
+
+class Threads(unittest.TestCase):
+    @unittest.skipUnless(os.path.isdir("/proc/self/task"), "nothing says how many threads there are")
+    def test_threads_of_files(self):
+        """Files are read by several threads, and a child of a fork does not wait for these."""
+        n = 300
+        points = np.stack(np.meshgrid(range(n), range(n), [0.0]), axis=-1).reshape(-1, 3)
+        points[:, 2] = points[:, 0] / 2  # tilted, which takes time
+        first = np.arange(n * n).reshape(n, n)[:-1, :-1].reshape(-1, 1)
+        cells = np.concatenate([first + [0, 1, n + 1], first + [0, n + 1, n]])
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "in.vtk"
+            write_vtk(path, points, [("triangle", cells)])
+            with open(path, "a", encoding="ascii") as file:
+                file.write(f"POINT_DATA {n * n}\nSCALARS height double\nLOOKUP_TABLE default\n" + "7\n" * n * n)
+            done = subprocess.run([sys.executable, "-c", THREADS, path, path.with_name("out.vtk")], timeout=120,
+                                  check=False, env=dict(os.environ, OMP_NUM_THREADS="3"))
+        self.assertEqual(done.returncode, 0)
+
+
 class Files(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)
+
+    def test_null_bytes(self):
+        """A path or a name that C would cut is refused, and the file of the first part stays."""
+        mesh, victim = read(DATA / "ascii.vtk"), self.folder / "victim.vtk"
+        victim.write_text("mine")
+        cut = f"{victim}\0other.vtk"
+        for call in (lambda: mesh.write(cut), lambda: planish.write(mesh, cut), lambda: read(cut),
+                     lambda: read(DATA / "ascii.vtk", format="vtk\0"), lambda: mesh.data("a\0b"),
+                     lambda: mesh.held("a\0b"), lambda: planish.smooth(mesh, min_volume={"a\0b": 1e-9})):
+            self.assertRaisesRegex(ValueError, "null byte", call)
+        self.assertEqual(victim.read_text(), "mine")
 
     def same_as_the_program(self, path, options=(), may_stay=False, **keywords):
         """Smooth a file by both, and compare what they write."""

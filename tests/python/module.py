@@ -12,12 +12,13 @@ import sys
 import tempfile
 import threading
 import time
+import types
 import unittest
 
 import numpy as np
 
 import planish
-from planish import _library
+from planish import _library, _run
 
 try:
     import meshio
@@ -378,6 +379,29 @@ class Plans(unittest.TestCase):
             signal.setitimer(signal.ITIMER_REAL, 0)
             signal.signal(signal.SIGALRM, before)
         self.assertIs(sys.unraisablehook, hook)
+
+    def test_exceptions_outside_progress(self):
+        """Those of its watch alone are kept, whether Python names the function that raised them or not."""
+        class Late:
+            """Raises in the first line of a watch, as a signal's handler may."""
+
+            def __bool__(self):
+                raise KeyboardInterrupt
+
+        mine, other, passed = _run._Watch(None, None), _run._Watch(None, None), []
+        mine.hook = other.hook = passed.append
+        mine.raised = Late()
+        try:
+            mine(None, None)
+        except KeyboardInterrupt as exception:
+            trace = exception.__traceback__.tb_next  # without this function
+            told = types.SimpleNamespace(object=None, exc_value=exception, exc_traceback=trace)
+            mine.raised = []
+            mine.note(told)
+            other.note(told)
+        other.note(types.SimpleNamespace(object=None, exc_value=KeyboardInterrupt(), exc_traceback=None))
+        self.assertEqual((mine.raised, other.raised, len(passed)), ([told.exc_value], [], 2))
+        self.assertIs(passed[0], told)
 
     def test_every_option_has_its_effect(self):
         points, cells, inside = box(3, amount=0.14)

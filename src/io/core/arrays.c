@@ -354,7 +354,8 @@ static int find_region_arrays(io_model *model, const planish_cells *cells, array
                                .cells = cells,
                                .node_stride = 3,
                                .component_stride = 1};
-    const int status = planish_find_regions(&mesh, v->of, model->n_arrays, model->threads, error);
+    const int status =
+        planish_find_regions(&mesh, v->of, model->n_arrays, io_model_threads(model), error);
     for (int i = 0; i < model->n_arrays && !status; i++)
         model->array[i].is_region = v->of[i].is_region;
     if (status != PLANISH_ERROR_MESH)

@@ -43,7 +43,7 @@ int64_t io_load_component(io_model *model, io_strided from, int component) {
     enum { NODES_AT_ONCE = 1 << 14 };
     component_job job = {.from = from, .to = model->xyz + 3 * from.first + component, .bad = -1};
     const int64_t n = from.n > 0 ? from.n : model->n_nodes;
-    pl_parallel_for(model->threads, n, NODES_AT_ONCE, load_chunk, &job);
+    pl_parallel_for(io_model_threads(model), n, NODES_AT_ONCE, load_chunk, &job);
     const int64_t bad = atomic_load(&job.bad);
     return bad < 0 ? bad : from.first + bad;
 }

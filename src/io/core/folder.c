@@ -45,7 +45,7 @@ static int find_path(const io_model *model, const char *name, int may_be_packed,
 
 int io_folder_open(io_model *model, const char *name, int may_be_packed, int needed,
                    io_folder_file *file, planish_error *error) {
-    *file = (io_folder_file){.view = {.threads = model->threads}};
+    *file = (io_folder_file){.view = {.threads = io_model_threads(model)}};
     if (!model->companion)
         model->companion = pl_alloc(IO_FOLDER_FILES, sizeof *model->companion);
     if (!model->companion)

@@ -146,7 +146,7 @@ static int find_nodes(completion *c) {
         status = make_nodes(&c->quadrilaterals, c->error);
     for (int k = 0; k < 2 && !status; k++) {
         c->elements = io_model_list(c->model, lists[k]);
-        pl_parallel_for(c->model->threads, c->elements.n, CHUNK, note_elements, c);
+        pl_parallel_for(io_model_threads(c->model), c->elements.n, CHUNK, note_elements, c);
     }
     return status;
 }

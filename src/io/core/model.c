@@ -5,12 +5,28 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
+#include "base/system.h"
 
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
 enum { CHUNK_NODES = 1 << 16 };
+
+/* ---- threads ------------------------------------------------------------------------------ */
+
+void io_model_set_threads(io_model *model, int threads) {
+    model->threads = threads;
+    model->process = pl_process_number();
+}
+
+int io_model_is_inherited(const io_model *model) {
+    return model->process && model->process != pl_process_number();
+}
+
+int io_model_threads(const io_model *model) {
+    return io_model_is_inherited(model) ? 1 : model->threads;
+}
 
 /* ---- nodes -------------------------------------------------------------------------------- */
 

@@ -11,6 +11,7 @@
  *   io_model_make_nodes, _span ...      what readers call to fill it in
  *   io_numbers, io_reduce_...           the file's numbers of nodes and cells
  *   io_fail_at, io_check_...            errors at a place, and checks
+ *   io_model_threads                    how many threads may work on it
  *
  * A reader walks the bytes of its format once and tells the model: the nodes (value and place of
  * their coordinates in the file), the triangles and tetrahedra, which nodes other things in the
@@ -260,7 +261,8 @@ typedef struct io_model {
     io_bytes packed;      /* the input as the folder has it, packed by gzip; data NULL: as it is */
     int64_t largest_copy; /* files of more bytes are mapped (bytes.h) */
     int is_binary;        /* errors name bytes, not lines (io_fail_at) */
-    int threads;
+    int threads;          /* ask io_model_threads */
+    long process;         /* the process that has them (pl_process_number); 0: any */
     double flatness; /* how far off their plane nodes may be, of the diagonal; 0: by the digits */
     int is_isolated; /* the HDF5 library is to be called where its crash does no harm (child.h) */
     planish_precision
@@ -357,7 +359,17 @@ static inline int io_span_written(const io_model *model, const io_span *span) {
     return span->n_components > 0 && span->n_components < n ? span->n_components : n;
 }
 
+/** Whether the model is from before a fork: this process has none of its threads. */
+int io_model_is_inherited(const io_model *model);
+
+/** Return the number of threads to use: one after a fork, as libgomp would wait for those that are no
+ *  more. */
+int io_model_threads(const io_model *model);
+
 /* ---- for the readers (what they return: see the top of this file) --------------------------- */
+
+/** Note how many threads may work on the model, in this process. */
+void io_model_set_threads(io_model *model, int threads);
 
 /** Allocate the arrays of n_nodes nodes: xyz, hold (zeroed), text_offset if text. The reader has
  *  already checked that the file is large enough for that many. */

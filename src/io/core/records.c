@@ -23,7 +23,7 @@ void io_text_init(io_text *text, const io_model *model) {
     text->model = model;
     text->begin = model->input.data;
     text->end = io_input_end(model);
-    text->threads = pl_thread_count(model->threads);
+    text->threads = pl_thread_count(io_model_threads(model));
     text->comment = '#';
     text->before = NULL;
 }

@@ -127,7 +127,7 @@ static int read_records(block_walk *w, int64_t n, int64_t width, io_records_fn *
     if (n == 0)
         return PLANISH_OK;
     io_cursor cursor = {w->nodes.data, w->nodes.data + n * size};
-    return io_binary_records(w->r->model->threads, &cursor, n, size, read, w, w->r->error);
+    return io_binary_records(io_model_threads(w->r->model), &cursor, n, size, read, w, w->r->error);
 }
 
 /** Read the elements of a block into their list; entity: of all. */

@@ -193,8 +193,8 @@ static int convert(planish_file *file, const io_target *target, const char *path
     io_view_field *field = NULL;
     io_view view = {.model = NULL};
     int n_fields;
-    int status = io_written_coordinates(&file->model, coordinates, NULL, file->model.threads,
-                                        &places, &owned, error);
+    int status = io_written_coordinates(&file->model, coordinates, NULL,
+                                        io_model_threads(&file->model), &places, &owned, error);
     if (!status)
         status = io_view_begin(&file->model, places, options, &view, error);
     if (!status)

@@ -322,7 +322,7 @@ static int open_as_usual(const char *path, const planish_open_options *options,
     planish_file *file = pl_alloc_zero(1, sizeof *file);
     status = file ? PLANISH_OK : pl_fail_memory(error, path);
     if (!status) {
-        file->model.threads = pl_thread_count(options->threads);
+        io_model_set_threads(&file->model, pl_thread_count(options->threads));
         file->model.flatness = options->plane_tolerance;
         file->model.largest_copy = largest_copy;
         status = open_file(file, path, options, error);
@@ -358,7 +358,7 @@ int io_file_from_memory(const io_format *format, const char *path, const char *d
     planish_file *file = pl_alloc_zero(1, sizeof *file);
     if (!file)
         return pl_fail_memory(error, path);
-    file->model.threads = threads;
+    io_model_set_threads(&file->model, threads);
     file->model.largest_copy = IO_LARGEST_COPY;
     file->format = format;
     int status = io_bytes_borrow(path, data, size, &file->model.input, error);

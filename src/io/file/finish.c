@@ -308,10 +308,10 @@ static int find_plain(io_model *model, int list, int solid_dim, planish_error *e
         status = pl_fail_memory(error, "the facets of the file");
     } else {
         memset(l.slot, -1, (size_t)n_slots * sizeof *l.slot);
-        pl_parallel_for(model->threads, n, CHUNK, add_cells, &l);
-        pl_parallel_for(model->threads, n_elements, CHUNK, note_elements, &l);
+        pl_parallel_for(io_model_threads(model), n, CHUNK, add_cells, &l);
+        pl_parallel_for(io_model_threads(model), n_elements, CHUNK, note_elements, &l);
         if (!l.is_missing) {
-            pl_parallel_for(model->threads, n, CHUNK, place_cells, &l);
+            pl_parallel_for(io_model_threads(model), n, CHUNK, place_cells, &l);
             status = mark_plain(&l, (int64_t)model->n_entities + 1, error);
             if (!status)
                 status = list == IO_FLAT_LIST ? move_others_behind(model, l.where, error)

@@ -156,9 +156,10 @@ static int make_list(planish_file *file) {
 
 int planish_file_groups(planish_file *file, const planish_group **groups, int64_t *n,
                         planish_error *error) {
-    *n = 0;
-    if (!file)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "file is NULL");
+    if (n)
+        *n = 0;
+    if (!file || !groups || !n)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "file, groups and n must not be NULL");
     if (!file->group && !make_list(file)) {
         io_file_free_groups(file);
         return pl_fail_memory(error, "the list of groups");

@@ -356,8 +356,8 @@ static void round_in_plane(rounding *s, int64_t *n) {
     const io_model *model = s->model;
     const int64_t n_elements = n_corners_of(model);
     s->n_views = find_views(&model->plane, s->views);
-    pl_parallel_for(model->threads, n_elements, CHUNK, find_signs, s);
-    pl_parallel_for(model->threads, model->n_nodes, CHUNK, round_nodes, s);
+    pl_parallel_for(io_model_threads(model), n_elements, CHUNK, find_signs, s);
+    pl_parallel_for(io_model_threads(model), model->n_nodes, CHUNK, round_nodes, s);
     do {
         for (int64_t i = 0; i < model->n_nodes; i++) {
             if (s->back[i] != 1)
@@ -368,7 +368,7 @@ static void round_in_plane(rounding *s, int64_t *n) {
             memcpy(s->places + 3 * i, model->xyz + 3 * i, 3 * sizeof *s->places);
         }
         s->any = 0;
-        pl_parallel_for(model->threads, n_elements, CHUNK, find_harm, s);
+        pl_parallel_for(io_model_threads(model), n_elements, CHUNK, find_harm, s);
     } while (s->any);
     follow_back(s);
 }
@@ -515,9 +515,9 @@ int io_plane_keep(io_model *model, planish_error *error) {
     flat_search f = {.model = model, .along = views[0], .wrong = pl_alloc(n, 1)};
     int is_out_of_memory = !f.wrong;
     if (f.wrong) {
-        pl_parallel_for(model->threads, n, CHUNK, count_usual, &f);
+        pl_parallel_for(io_model_threads(model), n, CHUNK, count_usual, &f);
         f.usual = f.n_negative > f.n_positive ? -1 : 1;
-        pl_parallel_for(model->threads, n, CHUNK, find_wrong, &f);
+        pl_parallel_for(io_model_threads(model), n, CHUNK, find_wrong, &f);
     }
     if (f.n_wrong > 0) {
         is_out_of_memory = find_around(&f);

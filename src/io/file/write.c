@@ -279,7 +279,8 @@ int planish_file_write(const planish_file *file, const char *path, const double 
         return status;
     const pl_outside outside = pl_call_enter(NULL);
     const pl_temporaries temporaries = {options->temporary, options->temporary_size};
-    const int threads = pl_thread_count(options->threads);
+    const int usual_threads = io_model_is_inherited(&file->model) ? 1 : 0;
+    const int threads = pl_thread_count(options->threads ? options->threads : usual_threads);
     const double *places = NULL;
     double *owned = NULL;
     status = check_name(file, path, error);

@@ -274,7 +274,7 @@ int foam_find_elements(const foam_mesh *mesh, int is_plain, foam_elements *eleme
     if (!status && memchr(elements->type, 0, (size_t)mesh->n_cells)) {
         status = make_sides(mesh, elements->type, &s.sides, error);
         if (!status)
-            pl_parallel_for(mesh->model->threads, mesh->n_cells, CHUNK, find_chunk, &s);
+            pl_parallel_for(io_model_threads(mesh->model), mesh->n_cells, CHUNK, find_chunk, &s);
     }
     pl_free(s.sides.start);
     pl_free(s.sides.side);

@@ -266,7 +266,7 @@ static int read_points(void *context, io_cursor *cursor, int64_t begin, int64_t 
 
 int foam_read_points(io_model *model, planish_error *error) {
     enum { SHORTEST = 7 }; /* (0 0 0) */
-    foam_file f = {.of.view = {.input = model->input, .threads = model->threads}};
+    foam_file f = {.of.view = {.input = model->input, .threads = io_model_threads(model)}};
     int64_t n;
     int status = foam_read_header(&f, error);
     model->is_binary = f.of.view.is_binary;
@@ -289,8 +289,8 @@ int foam_read_points(io_model *model, planish_error *error) {
     io_node_records points = {.model = model, .size = f.scalar_size, .swapped = f.swapped};
     if (!model->is_binary)
         foam_skip(&f.cursor);
-    status = model->is_binary ? io_binary_records(model->threads, &f.cursor, n, size, io_read_nodes,
-                                                  &points, error)
+    status = model->is_binary ? io_binary_records(io_model_threads(model), &f.cursor, n, size,
+                                                  io_read_nodes, &points, error)
                               : io_text_records(&text, &f.cursor, n, 3, read_points, model, error);
     io_text_release(&text);
     return status ? status : foam_end_list(&f, "points", error);

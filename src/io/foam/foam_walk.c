@@ -155,15 +155,16 @@ static void find_types(void *context, int64_t begin, int64_t end, int thread) {
 
 int foam_walk_faces(const foam_mesh *mesh, foam_elements *elements, planish_error *error) {
     enum { LEAST = 1 << 16, CHUNK = 1 << 12 }; /* cells that are worth a walk, and types */
-    const int64_t n = mesh->n_cells, threads = pl_thread_count(mesh->model->threads);
+    const int64_t n = mesh->n_cells, threads = pl_thread_count(io_model_threads(mesh->model));
     const int64_t share = (n + threads - 1) / threads;
     walk w = {.mesh = mesh, .elements = elements, .known = pl_alloc(n, sizeof *w.known)};
     if (elements->width > 4)
         w.top = pl_alloc(n, sizeof *w.top);
     const int is_there = w.known && (w.top || elements->width == 4);
     if (is_there) {
-        pl_parallel_for(mesh->model->threads, n, share > LEAST ? share : LEAST, walk_chunk, &w);
-        pl_parallel_for(mesh->model->threads, n, CHUNK, find_types, &w);
+        pl_parallel_for(io_model_threads(mesh->model), n, share > LEAST ? share : LEAST, walk_chunk,
+                        &w);
+        pl_parallel_for(io_model_threads(mesh->model), n, CHUNK, find_types, &w);
     }
     pl_free(w.known);
     pl_free(w.top);

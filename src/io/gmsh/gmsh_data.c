@@ -252,10 +252,10 @@ static int put_section(data_values *v, const gmsh_data *data, io_array_filler *f
     v->elements.next = 0;
     for (int64_t done = 0; done < data->n && !filler->is_broken;) {
         const int64_t n = data->n - done < BLOCK ? data->n - done : BLOCK;
-        int status =
-            model->is_binary
-                ? io_binary_records(model->threads, &cursor, n, BINARY_SIZE, read_values, v, NULL)
-                : io_text_records(&reader->text, &cursor, n, 2, read_values, v, NULL);
+        int status = model->is_binary
+                         ? io_binary_records(io_model_threads(model), &cursor, n, BINARY_SIZE,
+                                             read_values, v, NULL)
+                         : io_text_records(&reader->text, &cursor, n, 2, read_values, v, NULL);
         for (int64_t i = 0; i < n && !status; i++) {
             int64_t element;
             status = find_owner(&v->elements, v->number[i], &element, reader->error);

@@ -552,8 +552,8 @@ int plex_read_elements(plex_reader *r) {
     r->triangle = pl_alloc(3 * n_faces, sizeof *r->triangle);
     if (!r->triangle)
         return pl_fail_memory(r->error, "the faces of the file");
-    pl_parallel_for(r->model->threads, n_faces, CHUNK, find_triangle_chunk, r);
-    pl_parallel_for(r->model->threads, r->n_elements, CHUNK, fill_chunk, &f);
+    pl_parallel_for(io_model_threads(r->model), n_faces, CHUNK, find_triangle_chunk, r);
+    pl_parallel_for(io_model_threads(r->model), r->n_elements, CHUNK, fill_chunk, &f);
     return f.first_wrong < INT64_MAX ? plex_fail_point(r, f.first_wrong) : add_others(r);
 }
 

@@ -112,7 +112,7 @@ static int begin_rows(table *t, int64_t words, planish_error *error) {
 static int begin_table(table *t, io_model *model, const io_bytes *file, const char *what,
                        int64_t words, planish_error *error) {
     *t = (table){.model = model,
-                 .view = {.input = *file, .threads = model->threads},
+                 .view = {.input = *file, .threads = io_model_threads(model)},
                  .rows = io_begin_text(file->data, file->size),
                  .what = what};
     return begin_rows(t, words, error);
@@ -367,7 +367,7 @@ static int read_face_file(io_model *model, const io_bytes *file, int dim, planis
 /** Read the segments of Triangle's .poly, which stand behind the line of no nodes. */
 static int read_segments(io_model *model, const io_bytes *file, planish_error *error) {
     table t = {.model = model,
-               .view = {.input = *file, .threads = model->threads},
+               .view = {.input = *file, .threads = io_model_threads(model)},
                .rows = io_begin_text(file->data, file->size),
                .what = "segment"};
     io_skip_space_comments(&t.rows, '#');

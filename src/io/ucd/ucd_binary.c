@@ -103,7 +103,8 @@ static int read_all_nodes(io_model *model, const binary_head *head, planish_erro
                                error);
     io_cursor cursor = {model->input.data + head->size - 3 * WORD * n, io_input_end(model)};
     return status ? status
-                  : io_binary_records(model->threads, &cursor, n, WORD, read_nodes, model, error);
+                  : io_binary_records(io_model_threads(model), &cursor, n, WORD, read_nodes, model,
+                                      error);
 }
 
 /* ---- cells --------------------------------------------------------------------------------- */
@@ -141,7 +142,7 @@ static int read_cells(binary_run *r, io_model *model, int type, int64_t n, plani
     io_cursor cursor = {r->cell, io_input_end(model)};
     int status = io_run_begin(model, is_plain ? &ucd_types[type] : &other, n, &r->run, error);
     if (!status)
-        status = io_binary_records(model->threads, &cursor, n, CELL, read_run, r, error);
+        status = io_binary_records(io_model_threads(model), &cursor, n, CELL, read_run, r, error);
     if (!status)
         io_run_end(&r->run, n);
     return status;

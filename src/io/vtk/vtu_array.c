@@ -235,7 +235,7 @@ static int decode_packed(const vtu_document *document, vtu_array *array, int64_t
         status = pl_fail_memory(document->error, "an array of the file");
     if (!status) {
         unpacking u = {document->compression, &blocks, values->owned, 0};
-        pl_parallel_for(document->model->threads, blocks.n, 1, unpack_chunk, &u);
+        pl_parallel_for(io_model_threads(document->model), blocks.n, 1, unpack_chunk, &u);
         if (atomic_load(&u.failed))
             status = vtu_fail(document, array,
                               "a packed block cannot be unpacked to what its header says");
@@ -334,7 +334,7 @@ int vtu_read_numbers(vtu_document *document, vtu_array *array, int64_t n, int64_
     status = vtu_decode(document, array, n, &values);
     if (!status) {
         io_cursor cursor = {values.data, values.data + values.n_bytes};
-        if (io_binary_records(document->model->threads, &cursor, n, array->type->size,
+        if (io_binary_records(io_model_threads(document->model), &cursor, n, array->type->size,
                               vtk_read_list, &list, NULL))
             status = vtu_fail(document, array, "a number is out of range");
     }

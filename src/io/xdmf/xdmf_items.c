@@ -13,7 +13,7 @@
 int xdmf_begin(io_model *model, xdmf_reader *r, planish_error *error) {
     *r = (xdmf_reader){.model = model, .error = error};
     io_model opened = {.input = model->document.data ? model->document : model->input,
-                       .threads = model->threads,
+                       .threads = io_model_threads(model),
                        .largest_copy = model->largest_copy};
     return xdmf_markup_read(&opened, &r->document, error);
 }
@@ -215,7 +215,7 @@ static int add_file(xdmf_reader *r, const xdmf_item *item, io_bytes bytes, xdmf_
     }
     f->name = item->file;
     f->form = item->form;
-    f->own = (io_model){.input = bytes, .is_binary = 1, .threads = r->model->threads};
+    f->own = (io_model){.input = bytes, .is_binary = 1, .threads = io_model_threads(r->model)};
     f->model = &f->own;
     *file = f;
     return PLANISH_OK;
@@ -355,8 +355,8 @@ static int read_list(xdmf_reader *r, const xdmf_item *item, int64_t n, vtk_list 
     if (n > (bytes->size - item->seek) / item->type.size) /* it may be another file now */
         return fail_count(r, item, n);
     io_cursor cursor = {bytes->data + item->seek, bytes->data + bytes->size};
-    return io_binary_records(r->model->threads, &cursor, n, item->type.size, vtk_read_list, &list,
-                             r->error);
+    return io_binary_records(io_model_threads(r->model), &cursor, n, item->type.size, vtk_read_list,
+                             &list, r->error);
 }
 
 int xdmf_integers(xdmf_reader *r, const xdmf_item *item, int64_t n, int32_t *values) {

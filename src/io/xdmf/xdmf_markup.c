@@ -104,7 +104,7 @@ static int end_element(io_xml *xml, const char *name) {
 
 int xdmf_markup_read(const io_model *model, xdmf_document *d, planish_error *error) {
     *d = (xdmf_document){.view = {.input = model->input,
-                                  .threads = model->threads,
+                                  .threads = io_model_threads(model),
                                   .largest_copy = model->largest_copy},
                          .error = error,
                          .open = NO_ELEMENT};

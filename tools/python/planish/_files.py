@@ -15,7 +15,7 @@ from ._arrays import Array, address, borrow, pointer
 from ._cell_types import KNOWN, WEDGE_OF_MESHIO
 from ._elements import Elements, Layout, corners_of_simplices
 from ._errors import ConversionWarning
-from ._io import hold_of, io, texts, texts_of, values_of
+from ._io import hold_of, io, text_of, texts, texts_of, values_of
 from ._io_structures import ConvertOptions, Data, DataInfo, FileInfo, Group, OpenOptions, Plane, WriteOptions
 from ._library import call, files, threads_to_use
 from ._structures import Cells, MeshView, Surface
@@ -37,7 +37,7 @@ class Handle:
         """Open the file at path; raise FileError if that fails."""
         self.file = c_void_p()
         self.close = io("close")
-        call(io("open_with"), os.fsencode(path), byref(options), byref(self.file))
+        call(io("open_with"), text_of(path), byref(options), byref(self.file))
 
     def __del__(self) -> None:
         """Close the file."""
@@ -195,7 +195,7 @@ class Mesh:
     def data(self, name: str) -> tuple[NDArray[np.float64], bool]:
         """Return the array with this name [n or m, components], and whether its values are of elements."""
         data = Data()
-        call(io("data"), self.handle.file, os.fsencode(name), byref(data))
+        call(io("data"), self.handle.file, text_of(name), byref(data))
         return values_of(data)
 
     @property
@@ -235,7 +235,7 @@ class Mesh:
 
     def write_quietly(self, path: Union[str, "os.PathLike[str]"], threads: int) -> str:
         """Write the mesh as write does. Return the list of data that a conversion loses, or an empty text."""
-        encoded = os.fsencode(path)
+        encoded = text_of(path)
         if not io("can_write")(self.handle.file, encoded) and io("can_convert")(self.handle.file, encoded):
             return self._convert(encoded)
         call(io("write"), self.handle.file, encoded, pointer(self.points),
@@ -298,7 +298,7 @@ def read(path: Union[str, "os.PathLike[str]"], *, format: Optional[str] = None, 
         plane_tolerance: largest distance of nodes of flat elements from their common plane, as a fraction of the
             bounding box's diagonal. Flat elements farther off are a surface in space. 0: as the file's digits say
     """
-    options = OpenOptions(format=None if format is None else format.encode(), isolated=bool(isolated),
+    options = OpenOptions(format=None if format is None else text_of(format), isolated=bool(isolated),
                           threads=threads_to_use(threads).value, plane_tolerance=plane_tolerance)
     return Mesh(os.fspath(path), options)
 
@@ -324,7 +324,7 @@ def write(mesh: Mesh, path: Union[str, "os.PathLike[str]"], *, threads: int = 0)
 def read_sizes(mesh: Mesh, path: Union[str, "os.PathLike[str]"]) -> NDArray[np.float64]:
     """Return the values [n, components] of a solution file of Medit's for the nodes of a mesh."""
     data = Data()
-    call(files().planish_sol_read, os.fsencode(path), c_int(mesh.dim), c_int64(len(mesh.points)), byref(data))
+    call(files().planish_sol_read, text_of(path), c_int(mesh.dim), c_int64(len(mesh.points)), byref(data))
     return values_of(data)[0]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import os
 from ctypes import byref, c_char_p, c_int, c_int64, c_void_p
-from typing import Any, Sequence
+from typing import Any, Sequence, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,9 +37,17 @@ def texts(found_at: Any) -> list[str]:
     return found
 
 
+def text_of(text: Union[str, bytes, "os.PathLike[str]"]) -> bytes:
+    """Return a path or a name for the library; raise ValueError if C would take a part of it for all."""
+    encoded = os.fsencode(text)
+    if b"\0" in encoded:
+        raise ValueError(f"{encoded!r} has a null byte; no path or name has one")
+    return encoded
+
+
 def texts_of(names: Sequence[str]) -> Any:
     """Return a C array of texts for the library."""
-    return (c_char_p * max(len(names), 1))(*(os.fsencode(name) for name in names))
+    return (c_char_p * max(len(names), 1))(*(text_of(name) for name in names))
 
 
 def values_of(data: Data) -> tuple[NDArray[np.float64], bool]:

@@ -68,8 +68,14 @@ class _Watch:
             return 1
 
     def note(self, unraisable: Any) -> None:
-        """Keep what a signal's handler raises before the first line of __call__, such as KeyboardInterrupt."""
-        if unraisable.object is self:
+        """Keep what a signal's handler raises before the first line of __call__, such as KeyboardInterrupt.
+
+        What the library is told then is either not 0, which ends the run, or 0, and the next call ends it. From Python
+        3.13 on nobody says whose exception it is.
+        """
+        trace = unraisable.exc_traceback
+        frame = trace.tb_frame if trace is not None else None
+        if frame is not None and frame.f_code is _Watch.__call__.__code__ and frame.f_locals.get("self") is self:
             self.raised.append(unraisable.exc_value)
         else:
             self.hook(unraisable)
