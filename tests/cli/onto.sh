@@ -120,6 +120,12 @@ for file in fine.stl fine-surface.mesh; do
     expect_status 0 "$program" smooth coarse.mesh --onto $file -o stl.mesh --json report.json -q
     expect_json 'r["surface"]["off_before"] == 152 and r["surface"]["off"] == 0 and r["surface"]["distance_in_edges"] < 0.2'
 done
+# All triangles twice, which join nothing.
+{ sed '/^endsolid/d' fine.stl; sed '1d' fine.stl; } >twice.stl
+"$program" smooth coarse.mesh --onto fine.stl -o stl.mesh >out 2>err
+! grep -q "patches, and nodes stay in theirs" err || fail "$(cat err)"
+"$program" smooth coarse.mesh --onto twice.stl -o stl.mesh >out 2>err
+expect_text "note: the 4704 triangles of twice.stl are 4704 patches, and nodes stay in theirs: join its points"
 sed 's/^vertex/vertex nan/;t;' fine.stl >nan.stl
 printf 'solid none\nendsolid none\n' >empty.stl
 for file in nan.stl empty.stl; do

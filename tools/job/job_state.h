@@ -79,6 +79,7 @@ typedef struct pl_curved {
 /** The surface of another file that the mesh's is fitted to. */
 typedef struct pl_onto {
     planish_shape *own, *shape; /* owned; NULL: there is no such file */
+    planish_shape_info info;    /* of shape */
     planish_fit *fit;           /* owned */
     planish_fit_info before, after;
     double worst_before; /* worst ratio of the mesh as it was read */

@@ -20,9 +20,9 @@ static int complain(const pl_job *job, const planish_error *error) {
     return pl_complain(PL_EXIT_FAILED, "--onto %s: %s", job->arguments->onto, error->text);
 }
 
-/** Make the shape of a mesh with the tags that its file gives facets and edges. */
+/** Make the shape of a mesh with the tags that its file gives facets and edges; info may be NULL. */
 static int make_shape(const pl_job *job, const planish_file *file, const planish_mesh *mesh,
-                      planish_shape **shape, planish_error *error) {
+                      planish_shape **shape, planish_shape_info *info, planish_error *error) {
     planish_hold hold = {.slide = 1};
     if (file == job->file) {
         hold = pl_job_hold(job);
@@ -32,12 +32,11 @@ static int make_shape(const pl_job *job, const planish_file *file, const planish
     if (planish_file_mesh(file).dim == 3)
         surface = planish_file_surface(file, &hold);
     surface.crease_angle = job->arguments->crease_angle;
-    return planish_shape_create(mesh, &surface, job->options.threads, shape, NULL, error);
+    return planish_shape_create(mesh, &surface, job->options.threads, shape, info, error);
 }
 
 /** Make the shape of a flat mesh, which is in space in its file, and find its box there. */
-static int make_flat(const pl_job *job, planish_file *file, planish_shape **shape, pl_box *box,
-                     planish_error *error) {
+static int make_flat(pl_job *job, planish_file *file, pl_box *box, planish_error *error) {
     planish_mesh mesh = planish_file_mesh(file);
     planish_cells cells;
     double *places = malloc(((size_t)mesh.n_nodes * 3 + 1) * sizeof *places);
@@ -54,7 +53,7 @@ static int make_flat(const pl_job *job, planish_file *file, planish_shape **shap
                           .coordinates = places};
     if (!code) {
         pl_box_widen(box, 3, places, mesh.n_nodes);
-        code = make_shape(job, file, &mesh, shape, error);
+        code = make_shape(job, file, &mesh, &job->onto.shape, &job->onto.info, error);
     }
     free(places);
     return code ? complain(job, error) : 0;
@@ -70,9 +69,11 @@ static int read_other(pl_job *job, pl_box *box) {
     const planish_mesh mesh = planish_file_mesh(file);
     int status;
     if (mesh.dim == 2)
-        status = make_flat(job, file, &job->onto.shape, box, &error);
+        status = make_flat(job, file, box, &error);
     else
-        status = make_shape(job, file, &mesh, &job->onto.shape, &error) ? complain(job, &error) : 0;
+        status = make_shape(job, file, &mesh, &job->onto.shape, &job->onto.info, &error)
+                     ? complain(job, &error)
+                     : 0;
     if (mesh.dim == 3)
         pl_box_widen(box, 3, mesh.coordinates, mesh.n_nodes);
     planish_file_close(file);
@@ -174,7 +175,7 @@ int pl_onto_fit(pl_job *job) {
     pl_signals_install_stop();
     if ((status = read_other(job, &other)))
         return status;
-    if (make_shape(job, job->file, &job->mesh, &onto->own, &error))
+    if (make_shape(job, job->file, &job->mesh, &onto->own, NULL, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
     if ((status = find_places(job, 0)))
         return status;
@@ -201,11 +202,25 @@ int pl_onto_measure(pl_job *job) {
                : 0;
 }
 
+/** Say that the triangles of the other surface join nothing, as where each has points of its own, or is there
+ *  twice. */
+static void note_loose(FILE *stream, const planish_shape_info *info, const char *file) {
+    const int64_t n_loose = info->n_open_edges + info->n_nonmanifold_edges;
+    if (2 * info->n_patches <= info->n_facets || 2 * n_loose <= info->n_facets)
+        return;
+    pl_note(stream,
+            "the %" PRId64 " triangles of %s are %" PRId64
+            " patches, and nodes stay in theirs: join "
+            "its points, and remove triangles that are there twice",
+            info->n_facets, file, info->n_patches);
+}
+
 void pl_onto_note(FILE *stream, const pl_job *job, double worst) {
     const pl_onto *onto = &job->onto;
     const char *file = job->arguments->onto;
     if (!onto->fit)
         return;
+    note_loose(stream, &onto->info, file);
     const int64_t n_far = onto->before.n_out_of_reach - onto->before.n_unclear;
     if (n_far > 0)
         pl_note(stream,
