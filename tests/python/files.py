@@ -1,6 +1,7 @@
 """Tests of the Python module: meshes of files, which are smoothed and written as the program does."""
 
 import copy
+import errno
 import gc
 import os
 import pathlib
@@ -412,9 +413,10 @@ class Files(unittest.TestCase):
 
     def test_refusals(self):
         missing = self.folder / "missing.msh"
-        for error in OSError, ValueError, planish.FileError:
-            with self.assertRaisesRegex(error, "missing.msh"):
+        for error in OSError, ValueError, planish.FileError, FileNotFoundError:
+            with self.assertRaisesRegex(error, "^[^\\[]*missing.msh: .*No such file") as raised:
                 planish.read(missing)
+            self.assertEqual((raised.exception.errno, raised.exception.filename), (errno.ENOENT, str(missing)))
         mesh = read(DATA / "ascii41.msh")
         start = mesh.points.copy()
         with self.assertRaisesRegex(planish.Error, "upper part"):  # it lists those that there are

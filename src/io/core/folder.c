@@ -24,9 +24,10 @@ char *io_folder_path(const io_model *model, const char *name) {
 /** Find the path of the file called name, or of NAME.gz: *path is owned; NULL: there is neither. */
 static int find_path(const io_model *model, const char *name, int may_be_packed, char **path,
                      planish_error *error) {
+    const int n = may_be_packed ? 2 : 1;
     char packed[64];
     snprintf(packed, sizeof packed, "%s.gz", name);
-    for (int i = 0; i <= (may_be_packed != 0); i++) {
+    for (int i = 0; i < n; i++) {
         *path = io_folder_path(model, i ? packed : name);
         if (!*path)
             return pl_fail_memory(error, name);

@@ -114,7 +114,7 @@ static void note_node(const completion *c, const lacks *of, const int32_t *corne
 /** Note the nodes in the middle of the edges and quadrilaterals of an element. */
 static void note_element(const completion *c, const cell *of) {
     const io_parts *parts = io_parts_of(of->dim, of->corners);
-    int32_t corners[QUADRILATERAL];
+    int32_t corners[QUADRILATERAL] = {0};
     for (int e = 0; e < parts->n_edges; e++) {
         edge_of(of, e, corners);
         note_node(c, &c->edges, corners, of->node[of->corners + e]);

@@ -18,7 +18,18 @@ class Error(ValueError):
 
 
 class FileError(Error, OSError):
-    """Error of a file: it cannot be opened, read or written, or its content breaks the rules of its format."""
+    """Error of a file: it cannot be opened, read or written, or its content breaks the rules of its format.
+
+    Where there is no file to read it is a FileNotFoundError, too, with errno and filename.
+    """
+
+
+class MissingFileError(FileError, FileNotFoundError):
+    """Error of a file that is to be read and is not there."""
+
+    def __str__(self) -> str:
+        """Return the text of the library, which names the file."""
+        return str(self.args[0])
 
 
 class ConversionWarning(UserWarning):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import errno
 import os
 import warnings
 from ctypes import byref, c_double, c_int, c_int64, c_size_t, c_void_p
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 from ._arrays import Array, address, borrow, pointer
 from ._cell_types import KNOWN, WEDGE_OF_MESHIO
 from ._elements import Elements, Layout, corners_of_simplices
-from ._errors import ConversionWarning
+from ._errors import ConversionWarning, FileError, MissingFileError
 from ._io import hold_of, io, text_of, texts, texts_of, values_of
 from ._io_structures import ConvertOptions, Data, DataInfo, FileInfo, Group, OpenOptions, Plane, WriteOptions
 from ._library import call, files, threads_to_use
@@ -37,7 +38,14 @@ class Handle:
         """Open the file at path; raise FileError if that fails."""
         self.file = c_void_p()
         self.close = io("close")
-        call(io("open_with"), text_of(path), byref(options), byref(self.file))
+        try:
+            call(io("open_with"), text_of(path), byref(options), byref(self.file))
+        except FileError as error:
+            if os.path.lexists(path):
+                raise
+            missing = MissingFileError(str(error), error.code)
+            missing.errno, missing.filename = errno.ENOENT, os.fspath(path)
+            raise missing from None
 
     def __del__(self) -> None:
         """Close the file."""
