@@ -267,7 +267,7 @@ static int read_points(void *context, io_cursor *cursor, int64_t begin, int64_t 
 int foam_read_points(io_model *model, planish_error *error) {
     enum { SHORTEST = 7 }; /* (0 0 0) */
     foam_file f = {.of.view = {.input = model->input, .threads = io_model_threads(model)}};
-    int64_t n;
+    int64_t n = 0;
     int status = foam_read_header(&f, error);
     model->is_binary = f.of.view.is_binary;
     const int least = f.is_scalar_known ? 3 * f.scalar_size : 3 * (int)sizeof(float);

@@ -51,7 +51,7 @@ static inline int begin_cell(int n, const int32_t *face, int32_t *element) {
 
 /** Add another face to a cell. Return the bit that is known with it. */
 static inline int add_face(int n, const int32_t *face, int32_t *element) {
-    int corner[4], n_of_base = 0, first = 0;
+    int corner[4] = {0}, n_of_base = 0, first = 0;
     for (int i = 0; i < n; i++) {
         corner[i] = -1;
         for (int k = 0; k < n; k++)

@@ -20,7 +20,7 @@ class Error(ValueError):
 class FileError(Error, OSError):
     """Error of a file: it cannot be opened, read or written, or its content breaks the rules of its format.
 
-    Where there is no file to read it is a FileNotFoundError, too, with errno and filename.
+    Where there is no file to read it is a FileNotFoundError, too.
     """
 
 
