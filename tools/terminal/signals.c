@@ -54,13 +54,14 @@ void pl_signals_end(const char *text) {
 }
 
 void pl_signals_say_ended(void) {
+    static const char before[] =
+        ": interrupted by a signal before smoothing began; nothing was written\n";
+    char line[PL_INPUT_NAME_SIZE + sizeof before + 16] = "planish: ";
     if (!atomic_load(&input_is_named))
         return;
-    say("planish: ");
-    say(input_name);
-    say(atomic_load(&is_before_smoothing)
-            ? ": interrupted by a signal before smoothing began; nothing was written\n"
-            : ": interrupted by a signal\n");
+    strcat(line, input_name);
+    strcat(line, atomic_load(&is_before_smoothing) ? before : ": interrupted by a signal\n");
+    say(line); /* at once: another signal may end the program between two pieces */
 }
 
 void pl_signals_set_before_smoothing(int is_before) {
