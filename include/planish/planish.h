@@ -1288,8 +1288,7 @@ PLANISH_API int planish_smooth(planish_plan *plan, double *coordinates,
  *  last call of a sweep (sweep_done). Entries of nodes that do not move may stay as they are: begin with a
  *  copy of the coordinates that are smoothed. coordinates must be another array than these.
  *  The positions are those that the figures of progress describe:
- *  - Sweeps that smooth: the mesh after the sweep. It is valid if the mesh was valid; but at periodic nodes
- *    elements that their corners do not decide may be inverted inside until nodes are put back in the end.
+ *  - Sweeps that smooth: the mesh after the sweep. It is valid if the mesh was valid.
  *  - Sweeps that untangle: the mesh after the sweep, which planish may undo later.
  *  - Sweeps of a trial, as for the worst elements: the mesh that was accepted last, until planish accepts
  *    the trial. Sweeps of one trial have the same positions.

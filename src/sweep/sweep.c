@@ -64,6 +64,40 @@ static int may_shorten(const colour_pass *pass, int64_t star) {
     return !problem->slide && !(problem->limits.acuteness < INFINITY);
 }
 
+/** Bring follower k to where its leader is, but for their way. */
+static void follow(const planish_plan *plan, const pl_storage *storage, int64_t k) {
+    const pl_follower *f = &plan->sliding.follower[k];
+    const pl_follower_places *places = &plan->scratch.places[k];
+    const int dim = plan->dim,
+              is_stored = f->node < plan->work.n_nodes; /* images are in no result */
+    const double *of = plan->scratch.coordinates + (int64_t)f->of * dim;
+    double *x = plan->scratch.coordinates + (int64_t)f->node * dim;
+    const double was[3] = {x[0], x[1], x[dim - 1]};
+    /* If the node that it follows has not moved, it keeps its first coordinates, unrounded. */
+    for (int d = 0; d < dim; d++) {
+        const double way = of[d] - places->origin[d], place = places->start[d] + way;
+        x[d] = way != 0 && is_stored ? pl_store(storage, place) : place;
+    }
+    if (plan->scratch.watch && is_stored &&
+        (x[0] != was[0] || x[1] != was[1] || x[dim - 1] != was[dim - 1]))
+        pl_watch_forget(plan->scratch.watch, f->node);
+}
+
+/** Bring the nodes that follow the node of a star to where they are to be. No other star of its colour sees
+ *  them. */
+static void move_followers(const colour_pass *pass, int32_t node) {
+    const pl_incidence *of = &pass->plan->scratch.watch->follower;
+    for (int64_t i = of->offset ? of->offset[node] : 0; of->offset && i < of->offset[node + 1]; i++)
+        follow(pass->plan, &pass->problem->storage, of->element[i]);
+}
+
+/** Likewise, and on the shape the mids at the node. */
+static void move_others(const colour_pass *pass, int32_t node) {
+    move_followers(pass, node);
+    if (pass->visit && pl_skin_move_mids(pass->visit))
+        pl_watch_forget(pass->plan->scratch.watch, node);
+}
+
 /** Note that cells of a star's ring, which is all of their nodes, have a large corner. */
 static void note_large(const colour_pass *pass, int64_t star) {
     const pl_star_problem *problem = pass->problem;
@@ -95,8 +129,10 @@ static int keeps_ratios(const colour_pass *pass, int64_t star, const double *bef
         return 1;
     memcpy(after, x, (size_t)dim * sizeof *x);
     memcpy(x, before, (size_t)dim * sizeof *x);
+    move_followers(pass, node);
     const double was = pl_watch_worst(watch, node, watch->worst_ar2).ar2;
     memcpy(x, after, (size_t)dim * sizeof *x);
+    move_followers(pass, node);
     return now.ar2 < was;
 }
 
@@ -104,12 +140,6 @@ static double way_from(const colour_pass *pass, int32_t node, const double *befo
     const int dim = pass->plan->dim;
     const double *x = pass->problem->coordinates + (int64_t)node * dim;
     return dim == 3 ? pl_watch_distance(3, before, x) : pl_watch_distance(2, before, x);
-}
-
-/** Bring the mids at the node of a star on the shape to where they are to be. */
-static void move_mids(const colour_pass *pass, int32_t node) {
-    if (pass->visit && pl_skin_move_mids(pass->visit))
-        pl_watch_forget(pass->plan->scratch.watch, node);
 }
 
 /** Bring the node of a star, on the shape, from where it is on trial to where it may be. Returns 0 if that
@@ -137,7 +167,7 @@ static double shorten(const colour_pass *pass, int64_t star, const double *befor
     pl_star_value ratio;
     memcpy(after, x, size);
     memcpy(x, before, size);
-    move_mids(pass, node);
+    move_others(pass, node);
     if (!may_shorten(pass, star) || !evaluate_star(pass, star, scratch, &ratio, &start))
         return 0;
     const double worst = fmax(problem->limits.rr2, ratio.max);
@@ -150,7 +180,7 @@ static double shorten(const colour_pass *pass, int64_t star, const double *befor
             x[d] = before[d] + ldexp(after[d] - before[d], -k);
         if (!go_to_shape(pass, star, before, x) || !pl_star_admit(problem, node, dim, x))
             break;
-        move_mids(pass, node);
+        move_others(pass, node);
         if (evaluate_star(pass, star, scratch, &ratio, &now) && ratio.certain && now < start &&
             ratio.max * (1 + ratio.error) <= worst &&
             (!(acuteness < INFINITY) || pl_watch_worst(watch, node, 0).acuteness <= acuteness) &&
@@ -159,7 +189,7 @@ static double shorten(const colour_pass *pass, int64_t star, const double *befor
             return start - now;
     }
     memcpy(x, before, size);
-    move_mids(pass, node);
+    move_others(pass, node);
     return 0;
 }
 
@@ -251,8 +281,8 @@ static void visit_watched(const colour_pass *pass, int64_t begin, int64_t end, d
     tally->first = begin;
     visit_straight(pass, begin, end, scratch, tally);
     tally->gain = NULL;
-    if (pass->visit)
-        move_mids(pass, problem->node[begin]);
+    for (int64_t i = begin; i < end && (pass->visit || watch->follower.offset); i++)
+        move_others(pass, problem->node[i]);
     const int n = note_moves(pass, begin, end, &v);
     if (watch->decides)
         pl_watch_judge(watch, n, v.move);
@@ -349,22 +379,9 @@ static void visit_chunk(void *context, int64_t begin, int64_t end, int thread) {
 }
 
 void pl_follow(const planish_plan *plan, const pl_star_problem *problem) {
-    const int dim = plan->dim;
     for (int64_t k = 0; k < plan->sliding.n_followers; k++) {
         const pl_follower *f = &plan->sliding.follower[k];
-        const pl_follower_places *places = &plan->scratch.places[k];
-        const double *of = plan->scratch.coordinates + (int64_t)f->of * plan->dim;
-        double *x = plan->scratch.coordinates + (int64_t)f->node * plan->dim;
-        const int is_stored = f->node < plan->work.n_nodes; /* images are in no result */
-        const double was[3] = {x[0], x[1], x[dim - 1]};
-        /* If the node that it follows has not moved, it keeps its first coordinates, unrounded. */
-        for (int d = 0; d < plan->dim; d++) {
-            const double way = of[d] - places->origin[d], place = places->start[d] + way;
-            x[d] = way != 0 && is_stored ? pl_store(&problem->storage, place) : place;
-        }
-        if (plan->scratch.watch && is_stored &&
-            (x[0] != was[0] || x[1] != was[1] || x[dim - 1] != was[dim - 1]))
-            pl_watch_forget(plan->scratch.watch, f->node);
+        follow(plan, &problem->storage, k);
         if (plan->scratch.watch && plan->scratch.watch->has_large)
             plan->scratch.watch->has_large[f->of] |= plan->scratch.watch->has_large[f->node];
         uint8_t *changed = &plan->scratch.changed[f->of];

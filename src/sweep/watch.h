@@ -135,7 +135,12 @@ typedef struct pl_watch {
     float *quality;        /* [n] of curved simplices their least coefficient over the mean, as
                               measured last; of others infinite; NULL: no cell is curved */
     int64_t *begin;        /* [n_nodes + 1] by inner numbers: where watched of each node begins */
-    int32_t *watched;      /* cells of each movable node, by types; last those without one */
+    int32_t
+        *watched; /* cells of each movable node, and of those that follow it, by types; last those
+                              without one */
+    pl_incidence
+        follower; /* places in plan->sliding.follower by the nodes that these follow; NULL: none
+                              does */
     pl_watch_late late;
     uint8_t decides;   /* any cell has a type */
     int64_t n_turned;  /* valid ones whose corners are not positive, as measured last */

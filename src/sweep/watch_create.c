@@ -10,6 +10,7 @@
 #include <float.h>
 #include <inttypes.h>
 #include <math.h>
+#include <string.h>
 
 enum {
     CHUNK = 256,       /* cells that one thread takes at a time, */
@@ -22,6 +23,8 @@ typedef struct search {
     const planish_options *options;
     double min_volume; /* of cells without their own */
     uint8_t *is_off;   /* [nodes of the mesh] nodes that are off the middle of their corners */
+    int32_t *
+        leader; /* [n_nodes] by inner numbers: the node that each follows, -1: none; NULL: none does */
     uint8_t has_type[PL_WATCH_TYPES]; /* shared, as are these: */
     int64_t n_curved;
     int64_t lowest; /* node that is not finite, or INT64_MAX */
@@ -253,15 +256,43 @@ static void cell_chunk(void *context, int64_t begin, int64_t end, int thread) {
     }
 }
 
-/** The movable nodes of a watched cell, by inner numbers. */
+/** The movable nodes of a watched cell, by inner numbers, and those that they follow. */
 static int nodes_of(const void *context, int64_t i, int32_t node[PL_CELL_NODES]) {
-    const pl_watch *w = context;
+    const search *s = context;
+    const pl_watch *w = s->watch;
     const planish_plan *plan = w->plan;
     int32_t corner[PL_CELL_CORNERS];
     const int n = pl_plan_cell_corners(plan, pl_watch_cell(w, i), corner);
-    for (int j = 0; j < n; j++)
+    for (int j = 0; j < n; j++) {
         node[j] = plan->work.mobility[corner[j]] != 0 ? plan->inner[corner[j]] : -1;
-    return n;
+        node[n + j] = s->leader && node[j] >= 0 ? s->leader[node[j]] : -1;
+    }
+    return 2 * n;
+}
+
+/** Follower k, as of its leader: images are none. */
+static int leader_of(const void *context, int64_t k, int32_t node[PL_CELL_NODES]) {
+    const planish_plan *plan = context;
+    const pl_follower *f = &plan->sliding.follower[k];
+    node[0] = f->node < plan->work.n_nodes ? f->of : -1;
+    return 1;
+}
+
+/** Find who follows whom. */
+static int find_followers(search *s) {
+    const planish_plan *plan = s->watch->plan;
+    const pl_visits *sliding = &plan->sliding;
+    if (sliding->n_followers == 0)
+        return 1;
+    s->leader = pl_alloc(plan->work.n_nodes, sizeof *s->leader);
+    if (!s->leader || !pl_items_of_nodes(plan->work.n_nodes, sliding->n_followers, leader_of, plan,
+                                         plan->threads, &s->watch->follower))
+        return 0;
+    memset(s->leader, -1, (size_t)plan->work.n_nodes * sizeof *s->leader);
+    for (int64_t k = 0; k < sliding->n_followers; k++)
+        if (sliding->follower[k].node < plan->work.n_nodes)
+            s->leader[sliding->follower[k].node] = sliding->follower[k].of;
+    return 1;
 }
 
 /** Whether a watched cell comes before another one at a node. */
@@ -295,7 +326,8 @@ static int make_lists(search *s) {
     pl_watch *w = s->watch;
     const planish_plan *plan = w->plan;
     pl_incidence cells;
-    if (!pl_items_of_nodes(plan->work.n_nodes, w->n, nodes_of, w, plan->threads, &cells))
+    if (!find_followers(s) ||
+        !pl_items_of_nodes(plan->work.n_nodes, w->n, nodes_of, s, plan->threads, &cells))
         return 0;
     w->begin = cells.offset;
     w->watched = cells.element;
@@ -416,6 +448,7 @@ int pl_watch_create(const planish_plan *plan, const planish_options *options, co
         return PLANISH_OK;
     const int status = create(&s, given, start, error);
     pl_free(s.is_off);
+    pl_free(s.leader);
     return status;
 }
 
@@ -430,6 +463,7 @@ static void free_cells(pl_watch *w) {
     pl_free(w->quality);
     pl_free(w->begin);
     pl_free(w->watched);
+    pl_incidence_destroy(&w->follower);
     pl_free(w->late.way);
     pl_free(w->late.record);
     pl_free(w->late.has_at_once);
@@ -465,7 +499,9 @@ int pl_watch_add(pl_watch *w, int64_t n, const int32_t *element, planish_error *
     if (n_new == 0)
         return PLANISH_OK;
     free_cells(w);
-    return make_cells(&s) ? PLANISH_OK : pl_fail_memory(error, "the elements to be watched");
+    const int is_made = make_cells(&s);
+    pl_free(s.leader);
+    return is_made ? PLANISH_OK : pl_fail_memory(error, "the elements to be watched");
 }
 
 void pl_watch_destroy(pl_watch *w) {

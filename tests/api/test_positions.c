@@ -288,6 +288,103 @@ static void mids_are_where_their_ends_are(void **state) {
     }
 }
 
+/* ---- periodic nodes --------------------------------------------------------------------------- */
+
+/** A periodic box of curved hexahedra. */
+typedef struct curved_box {
+    cell_box *box; /* its sides x = 0 and x = CUBES are pairs */
+    int32_t (*pair)[2];
+    uint8_t *constraint;
+    double *direction;
+} curved_box;
+
+enum { CUBES = 3 };
+
+/** Pair the nodes of order 1 of x = 0 and x = CUBES; those within these sides slide on their planes. */
+static void make_periodic(curved_box *p, int64_t n_corners) {
+    planish_mesh *mesh = &p->box->mesh;
+    const double *x = p->box->x;
+    p->pair = calloc((size_t)n_corners, sizeof *p->pair);
+    p->constraint = calloc((size_t)mesh->n_nodes, 1);
+    p->direction = calloc((size_t)mesh->n_nodes * 3, sizeof *p->direction);
+    for (int32_t a = 0; a < n_corners; a++)
+        for (int32_t b = 0; b < n_corners; b++) {
+            const double *at[] = {x + (int64_t)a * 3, x + (int64_t)b * 3};
+            if (at[0][0] != 0 || at[1][0] != CUBES || at[0][1] != at[1][1] || at[0][2] != at[1][2])
+                continue;
+            p->pair[mesh->n_periodic][0] = a;
+            p->pair[mesh->n_periodic++][1] = b;
+            if (!(at[0][1] > 0 && at[0][1] < CUBES && at[0][2] > 0 && at[0][2] < CUBES))
+                continue;
+            p->constraint[a] = p->constraint[b] = PLANISH_CONSTRAINT_ON_PLANE;
+            p->direction[(int64_t)a * 3] = p->direction[(int64_t)b * 3] = 1;
+        }
+    mesh->periodic = &p->pair[0][0];
+    mesh->constraint = p->constraint;
+    mesh->direction = p->direction;
+}
+
+/** Move both nodes of each pair within x = 0 and x = CUBES alike. */
+static void shift_within_sides(const cell_box *box, unsigned seed) {
+    double way[CUBES][CUBES][2];
+    for (int i = 0; i < CUBES * CUBES * 2; i++)
+        (&way[0][0][0])[i] = test_random(&seed) - 0.5;
+    for (int64_t i = 0; i < box->mesh.n_nodes; i++) {
+        double *x = box->x + i * 3;
+        const int j = (int)x[1] % CUBES, k = (int)x[2] % CUBES;
+        for (int d = 1; d < 3 && (x[0] == 0 || x[0] == CUBES) && j > 0 && k > 0; d++)
+            x[d] += way[j][k][d - 1];
+    }
+}
+
+/** Move mids next to x = CUBES about, where all elements stay valid. */
+static void bend(const cell_box *box, int64_t n_corners, unsigned seed) {
+    for (int64_t i = n_corners * 3; i < box->mesh.n_nodes * 3; i++) {
+        planish_cell_quality quality;
+        if (box->x[i / 3 * 3] < CUBES - 1 || box->x[i / 3 * 3] == CUBES)
+            continue;
+        const double was = box->x[i];
+        box->x[i] += 0.7 * (test_random(&seed) - 0.5);
+        assert_int_equal(planish_measure_cells(&box->mesh, 0, 1, &quality, NULL, NULL), 0);
+        if (quality.all.n_inverted > 0)
+            box->x[i] = was;
+    }
+}
+
+/** Elements at nodes that follow are judged with their leaders: in each snapshot all are valid, and no node
+ *  goes back. */
+static void elements_at_followers_are_valid(void **state) {
+    (void)state;
+    for (unsigned seed = 1; seed <= 6; seed++) {
+        cell_box *linear = cell_box_create(BOX_HEXAHEDRA, CUBES);
+        shift_within_sides(linear, seed);
+        curved_box p = {.box = cell_box_raise(linear, 0)};
+        const planish_options options = test_options(2);
+        planish_result result;
+        bend(p.box, linear->mesh.n_nodes, seed);
+        make_periodic(&p, linear->mesh.n_nodes);
+        double *x = test_copy_of(&p.box->mesh);
+        snapshots taken = snapshots_begin(x, length_of(&p.box->mesh));
+        planish_plan_destroy(smooth(&p.box->mesh, &options, 2, x, &taken, &result));
+        assert_int_equal(result.n_put_back, 0);
+        assert_true(taken.n > 1);
+        for (int i = 0; i < taken.n; i++) {
+            planish_mesh mesh = p.box->mesh;
+            planish_cell_quality quality;
+            mesh.coordinates = taken.x[i];
+            assert_int_equal(planish_measure_cells(&mesh, 0, 1, &quality, NULL, NULL), 0);
+            assert_int_equal(quality.all.n_inverted, 0);
+        }
+        snapshots_free(&taken);
+        free(x);
+        free(p.pair);
+        free(p.constraint);
+        free(p.direction);
+        cell_box_destroy(p.box);
+        cell_box_destroy(linear);
+    }
+}
+
 /* ---- refusals -------------------------------------------------------------------------------- */
 
 /** Ask for nothing, and for the array that is smoothed; end the run. */
@@ -328,6 +425,7 @@ int main(void) {
         BOTH(snapshots_of_a_trial_are_the_accepted_mesh),
         BOTH(strides_change_the_layout_alone),
         cmocka_unit_test(mids_are_where_their_ends_are),
+        cmocka_unit_test(elements_at_followers_are_valid),
         cmocka_unit_test(what_has_no_positions_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
