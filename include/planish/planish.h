@@ -1028,14 +1028,14 @@ typedef struct planish_quality {
 
 /** Measure coordinates [n_nodes][dim] (or as the mesh's strides say) with the plan's elements.
  *  plan is const: no later result changes. It does not mean that two threads may use the plan.
- *  Errors: _ARGUMENT, _MESH, _MEMORY. */
+ *  Errors: _ARGUMENT, _MESH, _MEMORY, with mesh->part also _PROCESS. */
 PLANISH_API int planish_measure(const planish_plan *plan, const double *coordinates,
                                 planish_quality *quality, planish_error *error);
 
 /** Compute the radius ratio (AR in a mixed mesh) of each element, 1 or more, at coordinates
  *  [n_nodes][dim] (or as the mesh's strides say). radius_ratio [n_elements] is 0 for elements that
  *  are not positive, and NAN for elements that a plan with options.around does not know.
- *  Errors: _ARGUMENT, _MESH, _MEMORY; radius_ratio is then untouched. */
+ *  Errors: _ARGUMENT, _MESH, _MEMORY, with mesh->part also _PROCESS; radius_ratio is then untouched. */
 PLANISH_API int planish_measure_elements(const planish_plan *plan, const double *coordinates,
                                          double *radius_ratio, planish_error *error);
 
@@ -1050,7 +1050,7 @@ PLANISH_API int planish_measure_elements(const planish_plan *plan, const double 
  *  reversed [n_elements] (may be NULL) is filled with 0 or 1. *n (may be NULL) counts the ones; for
  *  a mesh in parts those of the whole mesh, and most elements are those of the whole mesh, too. A
  *  plan with options.around counts its own elements only; the others are 0.
- *  Errors: _ARGUMENT, _MESH, _MEMORY; reversed and *n are then untouched. */
+ *  Errors: _ARGUMENT, _MESH, _MEMORY, with mesh->part also _PROCESS; reversed and *n are then untouched. */
 PLANISH_API int planish_find_reversed(const planish_plan *plan, const double *coordinates,
                                       uint8_t *reversed, int64_t *n, planish_error *error);
 

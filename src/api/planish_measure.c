@@ -51,18 +51,30 @@ int planish_measure(const planish_plan *plan, const double *coordinates, planish
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "plan, coordinates and quality must not be NULL");
     measuring m;
+    planish_quality found;
     int status = begin_measuring(plan, coordinates, &m, error);
     if (!status)
-        status = pl_measure(plan->all, m.x, plan->threads, quality, error);
+        status = pl_measure(plan->all, m.x, plan->threads, &found, error);
+    status = end_measuring(&m, status, error);
+    if (status)
+        return status;
     const int32_t *row = pl_plan_rows(plan);
-    if (!status && row && quality->worst_element >= 0)
-        quality->worst_element = row[quality->worst_element];
-    return end_measuring(&m, status, error);
+    if (row && found.worst_element >= 0)
+        found.worst_element = row[found.worst_element];
+    *quality = found;
+    return PLANISH_OK;
 }
 
 /** Whether an element of the caller is one that plans measure. */
 static int has_ratio(const planish_plan *plan, int64_t element) {
     return plan->cells.n == 0 || pl_is_smoothed(&plan->cells, element, plan->dim);
+}
+
+/** Give the caller the ratios of all elements. Those that are not known to the plan have none. */
+static void give_ratios(const planish_plan *plan, const double *ratio, double *radius_ratio) {
+    for (int64_t i = 0; i < pl_plan_given(plan); i++)
+        radius_ratio[i] = has_ratio(plan, i) ? (double)NAN : 0;
+    pl_plan_put(plan, ratio, sizeof *ratio, radius_ratio);
 }
 
 int planish_measure_elements(const planish_plan *plan, const double *coordinates,
@@ -72,20 +84,18 @@ int planish_measure_elements(const planish_plan *plan, const double *coordinates
                        "plan, coordinates and radius_ratio must not be NULL");
     measuring m;
     const pl_view all = pl_view_of_all_elements(plan->all);
-    const int32_t *row = pl_plan_rows(plan);
-    double *ratio = radius_ratio;
+    double *ratio = NULL; /* of the elements that are measured */
     int status = begin_measuring(plan, coordinates, &m, error);
-    if (!status && row) {
-        ratio = pl_alloc(all.n_elements, sizeof *ratio);
+    if (!status)
+        status = pl_parts_check(error);
+    if (!status) {
+        ratio = pl_plan_rows(plan) ? pl_alloc(all.n_elements, sizeof *ratio) : radius_ratio;
         status = ratio ? PLANISH_OK : pl_fail_memory(error, "the radius ratios");
     }
     if (!status)
         pl_find_ratios(&all, m.x, plan->threads, ratio);
-    /* Elements that are not known to the plan have none. */
-    for (int64_t i = 0; !status && row && i < pl_plan_given(plan); i++)
-        radius_ratio[i] = has_ratio(plan, i) ? (double)NAN : 0;
-    if (!status && row)
-        pl_plan_put(plan, ratio, sizeof *ratio, radius_ratio);
+    if (!status && ratio != radius_ratio)
+        give_ratios(plan, ratio, radius_ratio);
     if (ratio != radius_ratio)
         pl_free(ratio);
     return end_measuring(&m, status, error);
