@@ -300,15 +300,21 @@ static void nothing_breaks_it(void **state) {
 
 static void check_writing(const char *folder, const mesh *m) {
     file_builder b = make(m);
-    rewriting_in_place(b.data, b.size, 0, folder, "in.med");
+    rewriting_in_place(b.data, b.size, m->is_packed, folder, "in.med");
     builder_release(&b);
 }
 
 static void coordinates_come_back(void **state) {
-    mesh m = right;
-    check_writing(*state, &m);
-    m.is_chunked = 1;
-    check_writing(*state, &m);
+    for (int i = 0; i < HDF5_SUPERBLOCKS; i++) {
+        mesh m = right;
+        hdf5_superblock = hdf5_superblocks[i];
+        check_writing(*state, &m);
+        m.is_chunked = 1;
+        check_writing(*state, &m);
+        m.is_packed = 1;
+        check_writing(*state, &m);
+    }
+    hdf5_superblock = 0;
 }
 
 int main(void) {

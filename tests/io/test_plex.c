@@ -284,16 +284,18 @@ static void check_writing(const char *folder, const plex *p) {
 
 static void coordinates_come_back(void **state) {
     for (int version = 1; version <= 3; version++)
-        for (int how = 0; how < 16; how++) {
+        for (int how = 0; how < 16 * HDF5_SUPERBLOCKS; how++) {
             plex p = plex_right;
+            hdf5_superblock = hdf5_superblocks[how / 16];
             p.version = version;
             p.chunk = how % 4 > 0 ? 3 : 0;
             p.is_packed = how % 4 > 1;
             p.is_float = how % 4 == 3;
             p.is_one_chunk = how >> 2 & 1;
-            p.has_user_block = how >> 3;
+            p.has_user_block = how >> 3 & 1;
             check_writing(*state, &p);
         }
+    hdf5_superblock = 0;
 }
 
 /** The value at 8 bytes a number of a dataset. */

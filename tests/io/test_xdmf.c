@@ -793,8 +793,9 @@ static void write_hdf5(const char *folder, int is_packed) {
 static void files_of_hdf5_are_read_and_written(void **state) {
     char path[TEST_PATH_SIZE];
     const char *folder = *state;
-    for (int is_packed = 0; is_packed < 2; is_packed++) {
-        write_hdf5(folder, is_packed);
+    for (int i = 0; i < 2 * HDF5_SUPERBLOCKS; i++) {
+        hdf5_superblock = hdf5_superblocks[i / 2];
+        write_hdf5(folder, i % 2);
         planish_file *file = folder_open(folder, "mesh.xdmf");
         planish_data data;
         assert_int_equal(file->n_regions, 2);
@@ -813,6 +814,7 @@ static void files_of_hdf5_are_read_and_written(void **state) {
         planish_file_close(file);
         assert_int_equal(test_count_files(folder), 4);
     }
+    hdf5_superblock = 0;
 }
 
 static void pieces_stand_in_one_file_of_hdf5(void **state) {

@@ -1,5 +1,6 @@
-/* hdf5_builder: files of HDF5 in memory, for tests of the formats in it. */
+/* hdf5_builder: files of HDF5, for tests of the formats in it. */
 #ifdef PL_HDF5
+#include "support/files.h"
 #include "support/hdf5_builder.h"
 
 #include <setjmp.h>
@@ -8,6 +9,7 @@
 #include <stdlib.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -17,12 +19,22 @@ static hid_t must(hid_t result) {
     return result;
 }
 
+int hdf5_superblock = 0;
+const int hdf5_superblocks[HDF5_SUPERBLOCKS] = {0, 2, 3};
+
 void hdf5_begin(hdf5_builder *builder, hsize_t user_block) {
-    *builder = (hdf5_builder){.file = -1};
+    const H5F_libver_t version = hdf5_superblock == 0   ? H5F_LIBVER_EARLIEST
+                                 : hdf5_superblock == 2 ? H5F_LIBVER_V18
+                                                        : H5F_LIBVER_V110;
+    *builder = (hdf5_builder){.path = "/tmp/planish-hdf5-XXXXXX"};
+    const int empty = mkstemp(builder->path);
+    assert_true(empty >= 0);
+    close(empty);
     hid_t access = must(H5Pcreate(H5P_FILE_ACCESS)), create = must(H5Pcreate(H5P_FILE_CREATE));
-    must(H5Pset_fapl_core(access, 1 << 12, 0));
+    must(H5Pset_libver_bounds(access, version,
+                              hdf5_superblock == 2 ? H5F_LIBVER_V18 : H5F_LIBVER_LATEST));
     must(H5Pset_userblock(create, user_block));
-    builder->file = must(H5Fcreate("memory", H5F_ACC_TRUNC, create, access));
+    builder->file = must(H5Fcreate(builder->path, H5F_ACC_TRUNC, create, access));
     H5Pclose(create);
     H5Pclose(access);
 }
@@ -124,13 +136,11 @@ void cgns_put_text(const hdf5_builder *b, const char *path, const char *label, c
 }
 
 file_builder hdf5_end(hdf5_builder *builder) {
-    must(H5Fflush(builder->file, H5F_SCOPE_GLOBAL));
-    ssize_t size = H5Fget_file_image(builder->file, NULL, 0);
-    must((hid_t)size);
-    file_builder result = {.data = malloc((size_t)size), .size = size, .capacity = size};
-    assert_non_null(result.data);
-    assert_true(H5Fget_file_image(builder->file, result.data, (size_t)size) == size);
-    H5Fclose(builder->file);
+    size_t size;
+    must(H5Fclose(builder->file));
+    file_builder result = {.data = test_read(builder->path, &size)};
+    result.size = result.capacity = (int64_t)size;
+    remove(builder->path);
     return result;
 }
 

@@ -1,4 +1,4 @@
-/* hdf5_builder: files of HDF5 in memory, for tests of the formats in it. */
+/* hdf5_builder: files of HDF5, for tests of the formats in it. */
 #ifndef TEST_SUPPORT_HDF5_BUILDER_H
 #define TEST_SUPPORT_HDF5_BUILDER_H
 
@@ -9,12 +9,20 @@
 
 typedef struct hdf5_builder {
     hid_t file;
+    char path[32]; /* of it, until it is closed */
     /* How the next arrays are stored: */
     int is_compact;
     hsize_t chunk[2]; /* 0: not in chunks */
     int is_packed;    /* with chunks: shuffled and deflated */
     int is_one_chunk; /* without: all of it in one */
 } hdf5_builder;
+
+/** Version of the superblock of files that are begun: 0, 2 or 3. A test that sets it sets it back to 0. */
+extern int hdf5_superblock;
+
+/** All of them. */
+enum { HDF5_SUPERBLOCKS = 3 };
+extern const int hdf5_superblocks[HDF5_SUPERBLOCKS];
 
 /** user_block: bytes before HDF5's own, 0 or 512. */
 void hdf5_begin(hdf5_builder *builder, hsize_t user_block);

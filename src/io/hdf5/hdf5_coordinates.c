@@ -13,6 +13,7 @@
 #include "io/core/components.h"
 #include "base/output.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* Asking for the place of a chunk walks over all of them: with more the copy is amended. */
@@ -345,9 +346,11 @@ static int amend_bytes(const amend_request *r, const char *data, int64_t size, c
                        int64_t *n_changed, int *is_changed, planish_error *error) {
     const amended *list = r->model->of_format;
     const int is_writing = changed != NULL;
+    hdf5_copy copy = {.written = NULL};
     io_hdf5 file = {.model = (io_model *)(uintptr_t)r->model,
                     .error = error,
-                    .id = hdf5_open_bytes(data, size, is_writing),
+                    .id = is_writing ? hdf5_open_copy(data, size, &copy)
+                                     : hdf5_open_bytes(data, size),
                     .access = hdf5_link_access()};
     int status = PLANISH_OK;
     if (file.id < 0 || file.access < 0)
@@ -355,10 +358,31 @@ static int amend_bytes(const amend_request *r, const char *data, int64_t size, c
     for (int64_t i = 0; i < list->n && !status && (is_writing || !*is_changed); i++)
         status = amend_place(r, &file, &list->place[i], is_writing, is_changed);
     if (!status && is_writing)
-        status = hdf5_take_bytes(&file, data, changed, n_changed);
+        status = hdf5_take_bytes(&file, &copy, changed, n_changed);
     hdf5_release(file.access);
     if (file.id >= 0)
         H5Fclose(file.id);
+    free(copy.written);
+    return status;
+}
+
+/** Change the coordinates in the finished copy of the file to *bytes [*size], and read them there. */
+static int amend_finished(const amend_request *r, char **bytes, int64_t *size,
+                          planish_error *error) {
+    io_bytes finished; /* it will be copied */
+    int is_changed = 0;
+    int status = io_bytes_open(r->output->temporary, 0, &finished, error);
+    if (status)
+        return status;
+    status = amend_bytes(r, finished.data, finished.size, bytes, size, &is_changed, error);
+    io_bytes_close(&finished);
+    is_changed = 0;
+    if (!status)
+        status = amend_bytes(r, *bytes, *size, NULL, NULL, &is_changed, error);
+    if (!status && is_changed)
+        status = pl_fail(error, PLANISH_ERROR_FILE,
+                         "%s: its coordinates cannot be changed: the HDF5 library wrote others",
+                         r->model->input.path);
     return status;
 }
 
@@ -376,15 +400,8 @@ static int amend(void *data, planish_error *error) {
                          "%s: its coordinates (%s) are compressed or packed, so that the result "
                          "cannot be written to a pipe or device; give the name of a file",
                          input->path, list->place[0].path.text);
-    if (!status && is_changed) {
-        io_bytes finished;
-        status = io_bytes_open(r->output->temporary, 0, &finished, error); /* it will be copied */
-        if (!status) {
-            status =
-                amend_bytes(r, finished.data, finished.size, &bytes, &size, &is_changed, error);
-            io_bytes_close(&finished);
-        }
-    }
+    if (!status && is_changed)
+        status = amend_finished(r, &bytes, &size, error);
     hdf5_restore(voice);
     if (!status && is_changed)
         status = pl_output_rewrite(r->output, bytes, size, error);

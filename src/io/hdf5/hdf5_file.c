@@ -47,7 +47,7 @@ int io_hdf5_recognise(const char *data, int64_t size, const char *path) {
     if (!io_is_hdf5(data, size))
         return 0;
     hdf5_voice voice = hdf5_silence();
-    hid_t file = hdf5_open_bytes(data, size, 0), access = hdf5_link_access();
+    hid_t file = hdf5_open_bytes(data, size), access = hdf5_link_access();
     int is_open;
     int found = file >= 0 && access >= 0 && kind_in(file, access, path, &is_open) != IO_HDF5_NONE;
     if (file >= 0)
@@ -69,7 +69,7 @@ int io_hdf5_open(io_model *model, io_hdf5 **out, planish_error *error) {
     if (!file)
         return pl_fail_memory(error, model->input.path);
     *file = (io_hdf5){.model = model, .error = error, .voice = hdf5_silence(), .access = -1};
-    file->id = hdf5_open_bytes(model->input.data, model->input.size, 0);
+    file->id = hdf5_open_bytes(model->input.data, model->input.size);
     int status = PLANISH_OK;
     if (file->id < 0)
         status = hdf5_fail_library(file, "/", "cannot be opened");

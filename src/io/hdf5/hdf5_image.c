@@ -19,8 +19,8 @@ static void *image_malloc(size_t size, H5FD_file_image_op_t op, void *image) {
     return image;
 }
 
-static void *copy_malloc(size_t size, H5FD_file_image_op_t op, void *image) {
-    return op == H5FD_FILE_IMAGE_OP_FILE_OPEN ? malloc(size) : image;
+static void *copy_malloc(size_t size, H5FD_file_image_op_t op, void *copy) {
+    return op == H5FD_FILE_IMAGE_OP_FILE_OPEN ? malloc(size) : ((hdf5_copy *)copy)->of;
 }
 
 static void *image_copy(void *to, const void *from, size_t size, H5FD_file_image_op_t op,
@@ -35,14 +35,23 @@ static void *image_realloc(void *at, size_t size, H5FD_file_image_op_t op, void 
     return NULL;
 }
 
-static void *copy_realloc(void *at, size_t size, H5FD_file_image_op_t op, void *image) {
-    (void)op, (void)image;
+static void *copy_realloc(void *at, size_t size, H5FD_file_image_op_t op, void *copy) {
+    (void)op, (void)copy;
     return realloc(at, size);
 }
 
+/** Free nothing: the bytes are the caller's. */
 static herr_t image_free(void *at, H5FD_file_image_op_t op, void *image) {
-    (void)op;
-    if (at != image)
+    (void)at, (void)op, (void)image;
+    return 0;
+}
+
+/** Keep what the library has written when it closes the file. */
+static herr_t copy_free(void *at, H5FD_file_image_op_t op, void *data) {
+    hdf5_copy *copy = data;
+    if (op == H5FD_FILE_IMAGE_OP_FILE_CLOSE)
+        copy->written = at;
+    else if (at != copy->of)
         free(at);
     return 0;
 }
@@ -56,24 +65,33 @@ static herr_t udata_free(void *image) {
     return 0;
 }
 
-hid_t hdf5_open_bytes(const char *data, int64_t size, int is_writing) {
+/** Open the bytes at image by functions for memory. */
+static hid_t open_by(H5FD_file_image_callbacks_t *callbacks, void *image, int64_t size,
+                     unsigned flags) {
     enum { INCREMENT = 1 << 20 };
-    void *image = (void *)(uintptr_t)data;
-    H5FD_file_image_callbacks_t callbacks = {image_malloc, image_copy, image_realloc, image_free,
-                                             udata_copy,   udata_free, image};
-    if (is_writing) {
-        callbacks.image_malloc = copy_malloc;
-        callbacks.image_realloc = copy_realloc;
-    }
     hid_t access = H5Pcreate(H5P_FILE_ACCESS), file = -1;
     if (access >= 0 && H5Pset_fapl_core(access, INCREMENT, 0) >= 0 &&
-        H5Pset_file_image_callbacks(access, &callbacks) >= 0 &&
+        H5Pset_file_image_callbacks(access, callbacks) >= 0 &&
         H5Pset_file_image(access, image, (size_t)size) >= 0)
         /* The driver wants a name that no file has. */
-        file = H5Fopen("/dev/null/mesh", is_writing ? H5F_ACC_RDWR : H5F_ACC_RDONLY, access);
+        file = H5Fopen("/dev/null/mesh", flags, access);
     if (access >= 0)
         H5Pclose(access);
     return file;
+}
+
+hid_t hdf5_open_bytes(const char *data, int64_t size) {
+    void *image = (void *)(uintptr_t)data;
+    H5FD_file_image_callbacks_t callbacks = {image_malloc, image_copy, image_realloc, image_free,
+                                             udata_copy,   udata_free, image};
+    return open_by(&callbacks, image, size, H5F_ACC_RDONLY);
+}
+
+hid_t hdf5_open_copy(const char *data, int64_t size, hdf5_copy *copy) {
+    *copy = (hdf5_copy){.of = (void *)(uintptr_t)data};
+    H5FD_file_image_callbacks_t callbacks = {copy_malloc, image_copy, copy_realloc, copy_free,
+                                             udata_copy,  udata_free, copy};
+    return open_by(&callbacks, copy->of, size, H5F_ACC_RDWR);
 }
 
 int64_t hdf5_user_block(hid_t file) {
@@ -84,23 +102,23 @@ int64_t hdf5_user_block(hid_t file) {
     return failed ? -1 : (int64_t)size;
 }
 
-int hdf5_take_bytes(io_hdf5 *file, const char *before, char **bytes, int64_t *size) {
+int hdf5_take_bytes(io_hdf5 *file, const hdf5_copy *copy, char **bytes, int64_t *size) {
     const int64_t user_block = hdf5_user_block(file->id);
     const ssize_t length = user_block < 0 || H5Fflush(file->id, H5F_SCOPE_GLOBAL) < 0
                                ? -1
                                : H5Fget_file_image(file->id, NULL, 0);
-    if (length < 0)
+    /* Not the bytes of that image: its superblock says that the file is closed, but has the checksum of an
+     * open one. */
+    const int is_closed = H5Fclose(file->id) >= 0;
+    file->id = -1;
+    if (length < 0 || !is_closed || !copy->written)
         return hdf5_fail_library(file, "/", "its coordinates cannot be changed");
     *size = user_block + length;
     *bytes = pl_alloc(*size, 1);
     if (!*bytes)
         return pl_fail_memory(file->error, file->model->input.path);
-    memcpy(*bytes, before, (size_t)user_block);
-    if (H5Fget_file_image(file->id, *bytes + user_block, (size_t)length) == length)
-        return PLANISH_OK;
-    pl_free(*bytes);
-    *bytes = NULL;
-    return hdf5_fail_library(file, "/", "its coordinates cannot be changed");
+    memcpy(*bytes, copy->written, (size_t)*size);
+    return PLANISH_OK;
 }
 
 #endif
