@@ -129,7 +129,7 @@ class Smoothing(unittest.TestCase):
         self.assertEqual(planish.smooth(points, cells).stop, "converged")
         points[3, 2] += 1e-3
         self.assertRaises(ValueError, planish.Plan, points, cells)
-        self.assertEqual(planish.smooth(points, cells).stop, "converged")  # as a surface in space
+        self.assertEqual(planish.smooth(points, cells, untangle=False).stop, "converged")  # as a surface in space
 
     def test_layouts_have_the_same_bits(self):
         points, cells, _ = box(3)
@@ -512,6 +512,9 @@ class Refusals(unittest.TestCase):
         self.refuse(ValueError, "fix is a mask", points, cells, fix=np.ones(3, dtype=bool))
         self.refuse(TypeError, "slide must be auto", points, cells, slide=True)
         self.refuse(ValueError, "objective must be", points, cells, objective="")
+        for options in ({"rings": 1}, {"slide_tolerance": 1e-3}, {"worst_measure": "dihedral"}, {"worst_rise": 0.1},
+                        {"surface_tolerance": 0.01}, {"surface_tolerance": "0.1h", "slide": "auto"}):
+            self.refuse(ValueError, "has no effect without", points, cells, **options)
         self.refuse(ValueError, "regions: array 'regions' has not one", points, cells, regions=False)
         self.refuse(TypeError, "like must be an array", points, cells, like=points.tolist())
         with self.assertRaisesRegex(ValueError, "start is where"):

@@ -98,6 +98,12 @@ class RunChoices(NamedTuple):
 # ---- plans ------------------------------------------------------------------------------------------
 
 
+def check_chosen(choices: PlanChoices) -> None:
+    """Raise ValueError if rings have no nodes that they are around."""
+    if choices.rings > 0 and not choices.only_worse_than and choices.around is None:
+        raise ValueError("rings has no effect without only_worse_than or around")
+
+
 def check_plan(choices: PlanChoices) -> None:
     """Raise ValueError if options of a plan exclude each other, or one lacks another."""
     is_sliding, is_curved, _ = choices.slides()
@@ -107,6 +113,9 @@ def check_plan(choices: PlanChoices) -> None:
         choices.crease_angle and choices.onto is None)
     if not is_curved and is_of_curved:
         raise ValueError("surface_of, crease_angle and slide_interfaces are for slide='curved'")
+    check_chosen(choices)
+    if choices.slide_tolerance and not is_sliding:
+        raise ValueError("slide_tolerance has no effect without slide")
     if choices.size_weight and choices.like is None and not choices.has_sizes():
         raise ValueError("size_weight is for plans with like or sizes (size, size_from, keep_sizes)")
     if choices.like is not None and choices.has_sizes():
@@ -147,6 +156,14 @@ def length(given: Length, name: str) -> tuple[float, int]:
         raise ValueError(f"{name} must be a number, or one and h, such as 0.05h, not {given!r}") from None
 
 
+def check_run(run: RunChoices) -> None:
+    """Raise ValueError if an option of a run has no effect without another one."""
+    _number_of("dihedral" if run.worst_measure is None else run.worst_measure, _WORST, "worst_measure")
+    for name in ("worst_measure", "worst_rise"):
+        if run.objective != "worst" and getattr(run, name) != getattr(RunChoices(), name):
+            raise ValueError(f"{name} has no effect without objective='worst'")
+
+
 def _check_objective(run: RunChoices, has_types: bool) -> None:
     """Raise ValueError if an objective or measure is of other elements than those of the mesh."""
     if has_types and run.objective == "radius-ratio":
@@ -177,6 +194,7 @@ def _set_box(options: Options, corners: tuple[Array, Array]) -> None:
 
 def set_run(run: RunChoices, options: Options, view: View, has_types: bool) -> None:
     """Set the options of a run; its progress is called elsewhere."""
+    check_run(run)
     _set_objective(run, options, has_types)
     options.min_volume = run.min_volume
     options.min_volume_fraction = run.min_volume_fraction

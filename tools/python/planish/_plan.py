@@ -437,6 +437,8 @@ class Plan:
     def run(self, points: Any, choices: RunChoices) -> Result:
         """Smooth the mesh in place, with options of one run, for modules of this package."""
         options, result = self._options, Result()
+        if choices.surface_tolerance != 0 and self.shape is None and self._fit is None:
+            raise ValueError("surface_tolerance has no effect without slide='curved'")
         with self._use():  # the options, too, are those of who smooths
             set_run(choices, options, self._view, self._view.has_types())
             taken = self._coordinates(points, writes=True)

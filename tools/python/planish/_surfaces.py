@@ -9,7 +9,7 @@ import numpy as np
 
 from . import _values
 from ._arrays import Points, pointer
-from ._choices import PlanChoices, RunChoices, set_run
+from ._choices import PlanChoices, RunChoices, check_chosen, set_run
 from ._elements import is_triangles
 from ._files import Mesh, opened
 from ._library import call, library, new_options, threads_to_use, whole
@@ -25,7 +25,7 @@ _PATCH = 1  # planish_shape_class
 _OF_PLAN = {"fix", "regions", "threads", "only_worse_than", "rings", "surface_of", "crease_angle", "slide", "layers"}
 _OF_FILES = {"slide_tolerance"}
 _OF_RUN = {"objective", "worst_measure", "worst_rise", "surface_tolerance", "max_displacement", "box", "max_sweeps",
-           "tolerance", "time_limit", "progress"}
+           "tolerance", "time_limit", "progress", "untangle"}
 
 
 def _refuse_others(choices: Any, known: set[str]) -> None:
@@ -39,6 +39,7 @@ def _refuse_others(choices: Any, known: set[str]) -> None:
 
 def _check(source: Source, choices: PlanChoices, run: RunChoices, has_quads: bool) -> None:
     """Raise ValueError for options and values that are not for surfaces in space."""
+    check_chosen(choices)
     is_file = isinstance(source.points, Mesh)
     _refuse_others(choices, _OF_PLAN | (_OF_FILES if is_file else set()))
     _refuse_others(run, _OF_RUN)
