@@ -147,6 +147,16 @@ cp "$sample" groups.msh
 [ "$(completions "$program" grou | tr '\n' ' ')" = "groups groups.msh " ] || fail "files as the first word"
 cp groups.msh "two words.msh"
 [ "$(completions "$program" smooth 'two\ words.msh' --fix sk)" = skin ] || fail "groups of a file with a blank"
+# Tags DIM:N: a colon is quoted, or a word of its own.
+printf '%s\n' '$MeshFormat' '2.2 0 8' '$EndMeshFormat' '$Nodes' 4 '1 0 0 0' '2 1 0 0' '3 0 1 0' '4 1 1 0' '$EndNodes' \
+    '$Elements' 4 '1 1 2 4 4 1 2' '2 1 2 40 40 1 3' '3 2 2 7 7 1 2 3' '4 2 2 7 7 2 4 3' '$EndElements' >tags.msh
+for words in '1' '1\:' '"1:4' "'1:4"; do
+    [ "$(completions "$program" smooth tags.msh --fix "$words" | tr '\n' ' ')" = "1:4 1:40 " ] ||
+        fail "completion of $words: $(completions "$program" smooth tags.msh --fix "$words")"
+done
+[ "$(completions "$program" smooth tags.msh --fix 1 : 40)" = 40 ] || fail "completion of 1:40"
+[ "$(completions "$program" smooth tags.msh --fix 1 : | tr '\n' ' ')" = "4 40 " ] || fail "completion of 1:"
+[ "$(completions "$program" smooth tags.msh --fix = 1 : 40)" = 40 ] || fail "completion of =1:40"
 mkfifo pipe
 mkdir smooth
 timeout 20 bash -c 'source ./bash; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _planish' - \

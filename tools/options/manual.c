@@ -168,7 +168,7 @@ static void put_bash_words(const char *values) {
     int has_group;
     const int length = length_of_words(values, &has_group);
     if (has_group)
-        printf(") mapfile -t COMPREPLY < <(_planish_tags \"$word\" %.*s); return ;;\n", length,
+        printf(") mapfile -t COMPREPLY < <(_planish_tags \"$tag\" %.*s); return ;;\n", length,
                values);
     else
         printf(") COMPREPLY=($(compgen -W '%s' -- \"$word\")); return ;;\n", values);
@@ -216,38 +216,48 @@ static void put_bash(void) {
     const pl_command_text *command;
     char names[128];
     pl_command_list(" ", " ", names, sizeof names);
-    printf("# bash completion for planish\n"
-           "# _planish_groups: the groups of the mesh, a file or folder: nothing waits for a pipe\n"
-           "_planish_groups() {\n"
-           "    local file\n"
-           "    for file in \"${COMP_WORDS[@]:2}\" \"${COMP_WORDS[1]}\"; do\n"
-           "        file=${file//\\\\/} # before a blank, say\n"
-           "        [ -f \"$file\" ] || [ -d \"$file\" ] || continue\n"
-           "        \"${COMP_WORDS[0]}\" groups -- \"$file\" 2>/dev/null && break\n"
-           "    done | cut -c 20-\n"
-           "}\n"
-           "# _planish_tags WORD TAG...: tags that begin with WORD, the groups of the mesh among "
-           "them\n"
-           "_planish_tags() {\n"
-           "    local word=$1 tag\n"
-           "    shift\n"
-           "    { printf '%%s\\n' \"$@\"; _planish_groups; } |\n"
-           "        while read -r tag; do\n"
-           "            [[ -z $tag || $tag != \"$word\"* ]] || printf '%%s\\n' \"$tag\"\n"
-           "        done\n"
-           "}\n_planish() {\n"
-           "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} options\n"
-           "    COMPREPLY=()\n"
-           "    if [ \"$COMP_CWORD\" = 1 ]; then\n"
-           "        mapfile -t COMPREPLY < <(compgen -W '%s help --help --version' -- \"$word\"\n"
-           "            compgen -f -- \"$word\")\n"
-           "        return\n    fi\n"
-           "    # --option=value comes as three words\n"
-           "    if [ \"$word\" = = ]; then\n        word=\n"
-           "    elif [ \"$before\" = = ]; then\n        before=${COMP_WORDS[COMP_CWORD-2]}\n"
-           "    fi\n"
-           "    case $before in\n",
-           names);
+    printf(
+        "# bash completion for planish\n"
+        "# _planish_groups: the groups of the mesh, a file or folder: nothing waits for a pipe\n"
+        "_planish_groups() {\n"
+        "    local file\n"
+        "    for file in \"${COMP_WORDS[@]:2}\" \"${COMP_WORDS[1]}\"; do\n"
+        "        file=${file//\\\\/} # before a blank, say\n"
+        "        [ -f \"$file\" ] || [ -d \"$file\" ] || continue\n"
+        "        \"${COMP_WORDS[0]}\" groups -- \"$file\" 2>/dev/null && break\n"
+        "    done | cut -c 20-\n"
+        "}\n"
+        "# _planish_tags WORD TAG...: tags that begin with WORD, the groups of the mesh among "
+        "them, without $colon\n"
+        "_planish_tags() {\n"
+        "    local word=${1//[\\\\\\\"\\']/} tag\n"
+        "    shift\n"
+        "    { printf '%%s\\n' \"$@\"; _planish_groups; } |\n"
+        "        while read -r tag; do\n"
+        "            [[ -z $tag || $tag != \"$word\"* ]] || printf '%%s\\n' \"${tag#\"$colon\"}\"\n"
+        "        done\n"
+        "}\n_planish() {\n"
+        "    local word=${COMP_WORDS[COMP_CWORD]} at=$COMP_CWORD colon= options\n"
+        "    local tag=$word before\n"
+        "    # a colon that nothing quotes is a word: those around it are one tag, which readline "
+        "has up to there\n"
+        "    while [ \"$at\" -gt 2 ] && [[ ${COMP_WORDS[at]} == : || ${COMP_WORDS[at-1]} == : ]]; "
+        "do\n"
+        "        tag=${COMP_WORDS[--at]}$tag\n"
+        "    done\n"
+        "    [ \"$at\" = \"$COMP_CWORD\" ] || colon=${tag%%\"${tag##*:}\"}\n"
+        "    before=${COMP_WORDS[at-1]}\n"
+        "    COMPREPLY=()\n"
+        "    if [ \"$COMP_CWORD\" = 1 ]; then\n"
+        "        mapfile -t COMPREPLY < <(compgen -W '%s help --help --version' -- \"$word\"\n"
+        "            compgen -f -- \"$word\")\n"
+        "        return\n    fi\n"
+        "    # --option=value comes as three words\n"
+        "    if [ \"$word\" = = ]; then\n        word= tag=\n"
+        "    elif [ \"$before\" = = ]; then\n        before=${COMP_WORDS[at-2]}\n"
+        "    fi\n"
+        "    case $before in\n",
+        names);
     put_bash_values();
     printf("    esac\n    case ${COMP_WORDS[1]} in\n");
     for (int i = 0; (command = pl_command_at(i)); i++)
