@@ -6,7 +6,7 @@
  * Pyramids are in none.
  *
  * Many elements of tangled meshes are thin by chance. Badly shaped ones are in no layer, and nor are
- * their neighbours where there are many of them. A few thin ones are no layer.
+ * the neighbours of many invalid ones. A few thin ones are no layer.
  */
 #include "shape/shape.h"
 
@@ -21,9 +21,9 @@
 
 enum { CHUNK = 4096 }; /* elements that one thread looks at at a time */
 
-/* Layers of fewer elements, and those of which more than one in so many are badly shaped, are thin by
- * chance. */
-enum { LEAST_OF_LAYER = 8, FEW_BADLY_SHAPED = 20 };
+/* Layers of fewer elements, and those beside which there are more invalid ones than one in so many, are thin
+ * by chance. Valid slivers stand at the ends of many layers. */
+enum { LEAST_OF_LAYER = 8, FEW_INVALID = 20 };
 
 /* ---- thin elements --------------------------------------------------------------------------- */
 
@@ -227,7 +227,7 @@ static int make_simplices(const planish_mesh *mesh, const uint8_t *thinness, cor
 typedef struct layer_sets {
     int32_t *parent; /* [n_nodes] a node of the same layer; itself: it stands for the layer */
     int32_t *n;      /* [n_nodes] elements of the layer, */
-    int32_t *n_bad;  /* [n_nodes] and badly shaped ones that have a node of it */
+    int32_t *n_bad;  /* [n_nodes] and invalid ones beside it: they have a node of it */
 } layer_sets;
 
 /** Return what stands for the layer of a node; -1: it is in none. */
@@ -248,7 +248,7 @@ static void join_nodes(layer_sets *s, const int32_t *node, int n) {
     }
 }
 
-/** Count a badly shaped element in the layers around. */
+/** Count an invalid element in the layers around. */
 static void count_bad(layer_sets *s, const int32_t *node, int n) {
     int32_t layer[PL_CELL_CORNERS];
     for (int c = 0; c < n; c++) {
@@ -260,7 +260,7 @@ static void count_bad(layer_sets *s, const int32_t *node, int n) {
     }
 }
 
-/** Remove the marks of layers with too few elements, or too many badly shaped ones. */
+/** Remove the marks of layers with too few elements, or beside too many invalid ones. */
 static void drop_bad_layers(const planish_mesh *mesh, const uint8_t *thinness, layer_sets *s,
                             uint8_t *mark) {
     const planish_cells *cells = mesh->cells;
@@ -268,7 +268,7 @@ static void drop_bad_layers(const planish_mesh *mesh, const uint8_t *thinness, l
         if (mark[i] && thinness[i])
             join_nodes(s, cells->node + cells->offset[i], counted_type(mesh, i)->shape->n_corners);
     for (int64_t i = 0; i < cells->n; i++)
-        if (thinness[i] & PL_BADLY_SHAPED && !mark[i])
+        if (thinness[i] & PL_IS_INVALID && !mark[i])
             count_bad(s, cells->node + cells->offset[i], counted_type(mesh, i)->shape->n_corners);
         else if (mark[i] == PL_ROW_MARKED && thinness[i])
             s->n[layer_of(s, cells->node[cells->offset[i]])]++;
@@ -276,7 +276,7 @@ static void drop_bad_layers(const planish_mesh *mesh, const uint8_t *thinness, l
         if (mark[i] && thinness[i]) {
             const int32_t layer = layer_of(s, cells->node[cells->offset[i]]);
             if (s->n[layer] < LEAST_OF_LAYER ||
-                (int64_t)FEW_BADLY_SHAPED * s->n_bad[layer] > s->n[layer])
+                (int64_t)FEW_INVALID * s->n_bad[layer] > s->n[layer])
                 mark[i] = 0;
         }
 }
