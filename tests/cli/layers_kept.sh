@@ -146,6 +146,10 @@ for kind in quads hexes prisms; do
     python3 make.py $kind 3 0 8 >moved.mesh
     expect_status 0 "$program" smooth moved.mesh -o out.mesh --objective worst --json report.json
     expect_json 'r["after"]["inverted"] == 0 and r["mesh"]["held"]["layers"] == 0 and r["target"] == "regular"'
+    expect_status 1 "$program" smooth moved.mesh -o out.mesh --layers hold --json report.json
+    expect_text "are thin in layers, and held"
+    expect_json 'r["after"]["inverted"] == r["before"]["inverted"] == r["inverted_held"]["fix_layers"] > 0'
+    expect_json 'r["mesh"]["held"]["layers"] > 0 and r["mesh"]["held_layer_elements"] > 20'
     # So many inverted elements may be those of a tangled mesh: keep has to be asked for.
     expect_status 0 "$program" smooth moved.mesh -o out.mesh --json report.json
     expect_json 'r["after"]["inverted"] == 0 and r["mesh"]["kept_layer_elements"] == 0 and r["target"] == "regular"'

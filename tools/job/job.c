@@ -145,7 +145,8 @@ static void free_invalid(pl_job *job, const uint8_t *state) {
     }
 }
 
-/** Hold the nodes of the chosen elements of layers. is_chosen [n_elements]. */
+/** Hold the nodes of the chosen elements of layers: by default not of elements that are not valid. is_chosen
+ *  [n_elements]. */
 static int hold_layers(pl_job *job, const uint8_t *is_chosen) {
     uint8_t *state = NULL;
     int status = 0;
@@ -158,7 +159,7 @@ static int hold_layers(pl_job *job, const uint8_t *is_chosen) {
         mark_nodes(job, i, 1, job->in_layer);
         job->layers.n_held++;
     }
-    if (job->has_types && job->layers.n_held > 0)
+    if (job->has_types && job->layers.n_held > 0 && job->arguments->layers != PL_LAYERS_HELD)
         status = pl_cells_find_states(job, &state);
     if (state)
         free_invalid(job, state);
