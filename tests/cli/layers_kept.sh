@@ -156,6 +156,12 @@ for kind in quads hexes prisms; do
     if [ $kind != quads ]; then
         expect_text "are thin in layers (did a wall move?): --layers keep keeps their heights"
         grep "did a wall move" err >noted
+        # Heights are told also where few of these elements have a node that moves.
+        { grep -v "^End" moved.mesh; seq 625 | sed "1i RequiredVertices\n625"; echo End; } >few.mesh
+        expect_status 1 "$program" smooth few.mesh -o out.mesh --json report.json
+        expect_json '0 < r["mesh"]["free_layer_elements"] < 100 < r["mesh"]["layer_elements"]'
+        expect_json 'r["layer_heights"] is not None'
+        expect_text "did a wall move"
         expect_status 0 "$program" quality moved.mesh
         expect_text "$(cat noted)"
     fi

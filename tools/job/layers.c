@@ -152,8 +152,13 @@ static int64_t count_elements(const pl_job *job) {
     return job->file ? planish_file_mesh(job->file).n_elements : job->mesh.n_elements;
 }
 
+/** Elements of layers that are told of: those that move; of layers that are given up all. */
+static int64_t count_told(const pl_job *job) {
+    return job->layers.is_tangled ? job->layers.n : job->layers.n_loose;
+}
+
 static int are_many(const pl_job *job) {
-    return pl_layers_are_many(job->layers.n_loose, count_elements(job));
+    return pl_layers_are_many(count_told(job), count_elements(job));
 }
 
 int pl_layers_count(pl_job *job, const planish_quality *quality) {
@@ -234,13 +239,14 @@ void pl_layers_print(FILE *stream, const pl_job *job) {
         return;
     }
     print_default(stream, job);
-    const int64_t n = layers->is_tangled ? layers->n : layers->n_loose;
-    put_count(job, n, count, sizeof count);
-    if (pl_layers_are_many(n, count_elements(job)) && layers->is_tangled)
+    if (!are_many(job))
+        return;
+    put_count(job, count_told(job), count, sizeof count);
+    if (layers->is_tangled)
         pl_note(stream,
                 "%s are thin in layers (did a wall move?): --layers keep keeps their heights",
                 count);
-    else if (are_many(job) && layers->n_held == 0 && layers->n_kept == 0)
+    else if (layers->n_held == 0 && layers->n_kept == 0)
         pl_note(stream, "%s are thin in layers (a boundary layer?): %s keeps them", count,
                 layers->fix[0] ? layers->fix : "--fix-layers");
 }
