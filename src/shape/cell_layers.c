@@ -8,6 +8,7 @@
  * Many elements of tangled meshes are thin by chance. Badly shaped ones are in no layer, and nor are
  * the neighbours of many invalid ones. A few thin ones are no layer.
  */
+#include "shape/drawn.h"
 #include "shape/shape.h"
 
 #include "base/memory.h"
@@ -39,6 +40,7 @@ typedef struct family {
 typedef struct thin_search {
     const planish_mesh *mesh; /* dense coordinates, cells */
     pl_frame frame;
+    pl_drawn drawn;
     uint8_t *thinness; /* [cells->n] */
     int64_t n_thin;    /* shared */
 } thin_search;
@@ -73,25 +75,35 @@ static void find_families(const thin_search *s, const pl_cell_shape *shape, cons
     }
 }
 
-/** Find the uprights of an element, the shortest family of a line, and how short they are. */
-static int thinness_of(const thin_search *s, const pl_cell_shape *shape, const int32_t *node) {
-    family families[FAMILIES] = {{0}};
+/** Find the uprights of an element, the shortest family of a line, and how short they are. left_out: bits
+ *  of factors that do not count. */
+static int thinness_without(const pl_cell_shape *shape, const family families[FAMILIES],
+                            unsigned left_out) {
     double least = INFINITY, others = INFINITY;
     int factor = 0;
-    find_families(s, shape, node, families);
     for (int f = 0; f < shape->n_simplices; f++)
-        if (shape->n_vertices[f] == 2 && families[3 * f].sum / families[3 * f].n < least) {
+        if (shape->n_vertices[f] == 2 && !(left_out >> f & 1) &&
+            families[3 * f].sum / families[3 * f].n < least) {
             least = families[3 * f].sum / families[3 * f].n;
             factor = f;
         }
     for (int k = 0; k < FAMILIES; k++)
-        if (k != 3 * factor && families[k].n > 0)
+        if (k != 3 * factor && families[k].n > 0 && !(left_out >> k / 3 & 1))
             others = fmin(others, families[k].sum / families[k].n);
     const family *uprights = &families[3 * factor];
     const int is_wide = least > 0 && others >= PL_WIDE * PL_WIDE * least;
     const int is_thin = is_wide && others >= PL_THIN * PL_THIN * uprights->most &&
                         uprights->most <= PL_ALIKE * PL_ALIKE * uprights->least;
     return PL_IS_GIVEN | factor | (is_thin ? PL_IS_THIN : 0) | (is_wide ? PL_IS_WIDE : 0);
+}
+
+/** The same, of a drawn solid in its plane if the element is thin there. */
+static int thinness_of(const thin_search *s, const pl_cell_shape *shape, const int32_t *node) {
+    family families[FAMILIES] = {{0}};
+    find_families(s, shape, node, families);
+    const unsigned drawn = pl_drawn_factors(&s->drawn, s->mesh, shape, node);
+    const int in_plane = drawn ? thinness_without(shape, families, drawn) : 0;
+    return in_plane & PL_IS_THIN ? in_plane : thinness_without(shape, families, 0);
 }
 
 static void find_thinness_chunk(void *context, int64_t begin, int64_t end, int thread) {
@@ -111,7 +123,7 @@ static void find_thinness_chunk(void *context, int64_t begin, int64_t end, int t
 
 int pl_find_thinness(const planish_mesh *mesh, int threads, uint8_t *thinness, int64_t *n_thin,
                      planish_error *error) {
-    thin_search s = {.mesh = mesh, .thinness = thinness};
+    thin_search s = {.mesh = mesh, .drawn = pl_drawn_find(mesh), .thinness = thinness};
     const int status = pl_frame_create(mesh, NULL, threads, &s.frame, error);
     if (!status)
         pl_parallel_for(threads, mesh->cells->n, CHUNK, find_thinness_chunk, &s);

@@ -27,24 +27,42 @@ static double square_of(const pl_columns *c, int32_t a, int32_t b) {
 
 /* ---- elements and their uprights -------------------------------------------------------------- */
 
-/** Find the uprights of a product, the shortest family of a line; whether it is flat. */
-static int find_factor(const pl_columns *c, const pl_cell_shape *shape, const int32_t *node,
-                       pl_layer_cell *cell) {
-    double sum[PL_CELL_SIMPLICES] = {0};
-    int n[PL_CELL_SIMPLICES] = {0}, best = -1;
-    for (int e = 0; e < shape->n_edges; e++) {
-        const int a = shape->edge[e][0], b = shape->edge[e][1], f = pl_factor_of(shape, a, b);
-        sum[f] += square_of(c, node[a], node[b]);
-        n[f]++;
-    }
+/** Edges of a product by its factors. */
+typedef struct factor_edges {
+    double sum[PL_CELL_SIMPLICES]; /* of squares, */
+    int n[PL_CELL_SIMPLICES];      /* of so many */
+} factor_edges;
+
+/** Find the uprights of a product, the shortest family of a line; whether it is flat. left_out: bits of
+ *  factors that do not count. */
+static int find_factor_without(const pl_cell_shape *shape, const factor_edges *edges,
+                               unsigned left_out, pl_layer_cell *cell) {
+    const double *sum = edges->sum;
+    const int *n = edges->n;
+    int best = -1, is_flat = 1;
     for (int f = 0; f < shape->n_simplices; f++)
-        if (shape->n_vertices[f] == 2 && (best < 0 || sum[f] * n[best] < sum[best] * n[f]))
+        if (shape->n_vertices[f] == 2 && !(left_out >> f & 1) &&
+            (best < 0 || sum[f] * n[best] < sum[best] * n[f]))
             best = f;
-    int is_flat = 1;
     for (int f = 0; f < shape->n_simplices; f++)
-        is_flat &= f == best || sum[f] * n[best] >= PL_THIN * PL_THIN * sum[best] * n[f];
+        is_flat &= f == best || left_out >> f & 1 ||
+                   sum[f] * n[best] >= PL_THIN * PL_THIN * sum[best] * n[f];
     cell->factor = (uint8_t)best;
     return is_flat;
+}
+
+/** The same, of a drawn solid in its plane if the element is flat there (cell_layers.c). */
+static int find_factor(const pl_columns *c, const pl_cell_shape *shape, const int32_t *node,
+                       pl_layer_cell *cell) {
+    factor_edges edges = {.n = {0}};
+    for (int e = 0; e < shape->n_edges; e++) {
+        const int a = shape->edge[e][0], b = shape->edge[e][1], f = pl_factor_of(shape, a, b);
+        edges.sum[f] += square_of(c, node[a], node[b]);
+        edges.n[f]++;
+    }
+    const unsigned drawn = pl_drawn_factors(&c->drawn, c->mesh, shape, node);
+    return (drawn && find_factor_without(shape, &edges, drawn, cell)) ||
+           find_factor_without(shape, &edges, 0, cell);
 }
 
 /** Find the upright of a simplex, its shortest edge; whether it is flat. */
@@ -335,7 +353,7 @@ int pl_columns_find(const planish_mesh *mesh, const uint8_t *is_layer, int threa
                               .dim = mesh->dim,
                               .step = mesh->dim,
                               .apart = 1};
-    *c = (pl_columns){.mesh = mesh};
+    *c = (pl_columns){.mesh = mesh, .drawn = pl_drawn_find(mesh)};
     int status = pl_points_check(&places, threads, error);
     if (!status)
         status = pl_frame_create(mesh, NULL, threads, &c->frame, error);

@@ -10,6 +10,7 @@
 #define PL_SHAPE_COLUMNS_H
 
 #include "geometry/layer_shape.h"
+#include "shape/drawn.h"
 #include "topology/frame.h"
 
 #include <planish/planish.h>
@@ -29,6 +30,7 @@ typedef struct pl_layer_cell {
 typedef struct pl_columns {
     const planish_mesh *mesh; /* cells, dense coordinates */
     pl_frame frame;
+    pl_drawn drawn;
     int8_t *sign; /* [cells] as of pl_orient_cells */
     int64_t n_cells;
     pl_layer_cell *cell; /* [n_cells] ascending */

@@ -619,40 +619,85 @@ static void one_bad_element_leaves_a_layer(void **state) {
     test_cells_destroy(&m);
 }
 
-/** Valid slivers at the end of a layer leave it as it is, though they are one for each row: rows of thin
- *  hexahedra, and wedges from their ends to one node, as a plane mesh becomes when it is one element deep. */
-static void slivers_at_the_end_leave_a_layer(void **state) {
-    (void)state;
-    enum { COLUMNS = 19, ROWS = 10, N_PLANE = (COLUMNS + 1) * (ROWS + 1) + 1 };
-    static double x[2 * N_PLANE * 3];
-    static int32_t node[COLUMNS * ROWS * 8 + ROWS * 6];
-    static int64_t offset[COLUMNS * ROWS + ROWS + 1];
-    static uint8_t type[COLUMNS * ROWS + ROWS];
-    planish_cells cells = {.type = type, .offset = offset, .node = node};
+enum { COLUMNS = 19, ROWS = 10, N_PLANE = (COLUMNS + 1) * (ROWS + 1) + 1 };
+
+/** Rows of quadrilaterals ten times as long as high, and triangles from their ends to one node, drawn to
+ *  hexahedra and wedges of a thickness. */
+typedef struct drawn_layer {
+    planish_mesh mesh;
+    planish_cells cells;
+    double x[2 * N_PLANE * 3];
+    int32_t node[COLUMNS * ROWS * 8 + ROWS * 6];
+    int64_t offset[COLUMNS * ROWS + ROWS + 1];
+    uint8_t type[COLUMNS * ROWS + ROWS];
+} drawn_layer;
+
+static void place_nodes(drawn_layer *m, double thickness, double height) {
     for (int i = 0; i < 2 * N_PLANE; i++) {
         const int in_plane = i % N_PLANE, is_tip = in_plane == N_PLANE - 1;
-        x[3 * i] = is_tip ? COLUMNS + 1 : in_plane / (ROWS + 1);
-        x[3 * i + 1] = is_tip ? 0.5 : 0.1 * (in_plane % (ROWS + 1));
-        x[3 * i + 2] = i / N_PLANE;
+        m->x[3 * i] = is_tip ? COLUMNS + 1 : in_plane / (ROWS + 1);
+        m->x[3 * i + 1] = is_tip ? 0.5 : height * (in_plane % (ROWS + 1));
+        m->x[3 * i + 2] = i / N_PLANE * thickness;
     }
+}
+
+static void create_drawn(drawn_layer *m, double thickness) {
+    memset(m, 0, sizeof *m);
+    place_nodes(m, thickness, 0.1);
     for (int i = 0; i < (COLUMNS + 1) * ROWS; i++) {
         const int at = i / ROWS * (ROWS + 1) + i % ROWS, is_end = i / ROWS == COLUMNS;
         const int around[] = {at, at + ROWS + 1, at + ROWS + 2, at + 1};
         const int to_tip[] = {at, N_PLANE - 1, at + 1};
         const int corners = is_end ? 3 : 4;
         for (int j = 0; j < 2 * corners; j++)
-            node[offset[i] + j] =
+            m->node[m->offset[i] + j] =
                 (is_end ? to_tip : around)[j % corners] + (j >= corners ? N_PLANE : 0);
-        type[i] = is_end ? PLANISH_CELL_WEDGE : PLANISH_CELL_HEXAHEDRON;
-        offset[i + 1] = offset[i] + 2 * corners;
-        cells.n++;
+        m->type[i] = is_end ? PLANISH_CELL_WEDGE : PLANISH_CELL_HEXAHEDRON;
+        m->offset[i + 1] = m->offset[i] + 2 * corners;
     }
-    const planish_mesh mesh = {
-        .dim = 3, .n_nodes = 2 * N_PLANE, .n_elements = cells.n, .coordinates = x, .cells = &cells};
-    uint8_t *is_layer = find(&mesh, 1, NULL);
-    for (int64_t i = 0; i < cells.n; i++)
-        assert_int_equal(is_layer[i], type[i] == PLANISH_CELL_HEXAHEDRON);
+    m->cells = (planish_cells){
+        .n = COLUMNS * ROWS + ROWS, .type = m->type, .offset = m->offset, .node = m->node};
+    m->mesh = (planish_mesh){.dim = 3,
+                             .n_nodes = 2 * N_PLANE,
+                             .n_elements = m->cells.n,
+                             .coordinates = m->x,
+                             .cells = &m->cells};
+}
+
+/** Valid slivers at the end of a layer leave it as it is, though they are one for each row. */
+static void slivers_at_the_end_leave_a_layer(void **state) {
+    (void)state;
+    static drawn_layer m;
+    create_drawn(&m, 1);
+    uint8_t *is_layer = find(&m.mesh, 1, NULL);
+    for (int64_t i = 0; i < m.cells.n; i++)
+        assert_int_equal(is_layer[i], m.type[i] == PLANISH_CELL_HEXAHEDRON);
     free(is_layer);
+}
+
+/** A drawn mesh has the layers and heights of its plane mesh, however thin it is. */
+static void drawn_meshes_have_the_layers_of_the_plane(void **state) {
+    (void)state;
+    static const double thicknesses[] = {1, 0.3, 0.1, 0.05, 0.01, 1e-4};
+    static drawn_layer m;
+    for (size_t t = 0; t < sizeof thicknesses / sizeof *thicknesses; t++) {
+        static double given[2 * N_PLANE * 3];
+        planish_layer_heights heights;
+        create_drawn(&m, thicknesses[t]);
+        uint8_t *is_layer = find(&m.mesh, 1, NULL);
+        for (int64_t i = 0; i < m.cells.n; i++) {
+            assert_true(is_layer[i] || m.type[i] == PLANISH_CELL_WEDGE);
+            is_layer[i] = m.type[i] == PLANISH_CELL_HEXAHEDRON;
+        }
+        memcpy(given, m.x, sizeof given);
+        place_nodes(&m, thicknesses[t], 0.105);
+        m.mesh.reference = given;
+        m.mesh.is_layer = is_layer;
+        assert_int_equal(planish_measure_layers(&m.mesh, 1, &heights, NULL, NULL), 0);
+        assert_int_equal(heights.all.n, (COLUMNS + 1) * ROWS * 2);
+        assert_true(fabs(heights.all.min - 1.05) < 1e-6 && fabs(heights.all.max - 1.05) < 1e-6);
+        free(is_layer);
+    }
 }
 
 /** Rows above a wall that was moved through the first one are found, few as they are. */
@@ -876,6 +921,7 @@ int main(void) {
         cmocka_unit_test(a_layer_has_some_elements),
         cmocka_unit_test(one_bad_element_leaves_a_layer),
         cmocka_unit_test(slivers_at_the_end_leave_a_layer),
+        cmocka_unit_test(drawn_meshes_have_the_layers_of_the_plane),
         cmocka_unit_test(moved_walls_leave_layers),
         cmocka_unit_test(rows_go_on_along_walls),
         cmocka_unit_test(cells_are_judged_alike_in_any_place),

@@ -1,0 +1,28 @@
+/* drawn: solids of one element's thickness, as plane meshes become that are drawn along an axis. Their layers
+ * are in the plane, however thin the solid is. Internal to shape.
+ *
+ *   pl_drawn_find       whether a mesh is one
+ *   pl_drawn_factors    edges of its elements from plane to plane
+ */
+#ifndef PL_SHAPE_DRAWN_H
+#define PL_SHAPE_DRAWN_H
+
+#include "geometry/cell.h"
+
+#include <planish/planish.h>
+
+/** All nodes are in two planes across an axis. */
+typedef struct pl_drawn {
+    int axis;         /* 0 .. 2; -1: the mesh is no such solid */
+    double thickness; /* distance of the planes */
+} pl_drawn;
+
+/** Find whether a mesh with dense coordinates is such a solid. */
+pl_drawn pl_drawn_find(const planish_mesh *mesh);
+
+/** Return the factors of a product whose edges go from plane to plane, as bits; 0 if no others could have
+ *  uprights. */
+unsigned pl_drawn_factors(const pl_drawn *drawn, const planish_mesh *mesh,
+                          const pl_cell_shape *shape, const int32_t *node);
+
+#endif
