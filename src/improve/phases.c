@@ -95,9 +95,9 @@ static int64_t count_invalid(const pl_run *r) {
     return n_invalid;
 }
 
-/** Untangle. Curved cells may be valid though their corners alone would be inverted: what makes more
+/** Run a ladder. Curved cells may be valid though their corners alone would be inverted: what makes more
  *  of them invalid is undone. */
-static int untangle(pl_run *r, planish_error *error) {
+static int climb(pl_run *r, int (*ladder)(pl_run *r, planish_error *error), planish_error *error) {
     const int64_t n_invalid = count_invalid(r), n = r->plan->work.n_nodes * r->plan->dim;
     double *before = r->watch.n_curved > 0 ? pl_alloc(n, sizeof *before) : NULL;
     pl_trial trial;
@@ -105,7 +105,7 @@ static int untangle(pl_run *r, planish_error *error) {
         return pl_fail_memory(error, "curved elements");
     if (before)
         pl_trial_begin(r, 0, before, &trial);
-    const int status = pl_run_untangle(r, error);
+    const int status = ladder(r, error);
     if (before && count_invalid(r) <= n_invalid) { /* with the limits that it has found */
         trial.problem = r->problem;
         trial.guard = r->guard.star;
@@ -118,6 +118,10 @@ static int untangle(pl_run *r, planish_error *error) {
     return status;
 }
 
+static int untangle(pl_run *r, planish_error *error) {
+    return climb(r, pl_run_untangle, error);
+}
+
 static int sweep(pl_run *r, planish_error *error) {
     if (r->plan->sizes)
         return pl_run_sized_sweeps(r, error);
@@ -127,7 +131,7 @@ static int sweep(pl_run *r, planish_error *error) {
 
 static int raise_and_sweep(pl_run *r, planish_error *error) {
     const int before = r->result->untangling_sweeps;
-    const int status = pl_run_raise_volumes(r, error);
+    const int status = climb(r, pl_run_raise_volumes, error);
     if (!status && r->result->untangling_sweeps > before && !was_cut_short(r))
         pl_run_sweeps(r);
     return status;

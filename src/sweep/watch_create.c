@@ -48,8 +48,21 @@ PL_INLINE void measure_mid(const pl_mids *mids, int32_t node, const double *cons
     }
 }
 
-static int is_off(const pl_watch *w, double off, double longest) {
-    return off > PL_STRAIGHT * PL_STRAIGHT * longest && off > w->rounding * w->rounding;
+static int is_off(double off, double longest) {
+    return off > PL_STRAIGHT * PL_STRAIGHT * longest;
+}
+
+/* Of a cell that is as good as straight, the least coefficient of det J over their mean. */
+static const double LEAST_OF_STRAIGHT = 0.5;
+
+/** Whether a cell of order 2 is as good as straight with its nodes as they were given: far from invalid. */
+static int is_nearly_straight(const pl_watch *w, const pl_cell_type *type, int64_t cell) {
+    pl_watch_block b;
+    b.n = 0;
+    pl_watch_take(w, w->rule[type->type], cell, 2, &b);
+    pl_watch_evaluate(w, &b);
+    return b.jacobian.least[0] > LEAST_OF_STRAIGHT * b.jacobian.mean[0] &&
+           pl_watch_is_lane_valid(&b, 0);
 }
 
 /** Find the nodes that are off by more than a part of their own edge. */
@@ -71,8 +84,8 @@ static void mids_chunk(void *context, int64_t begin, int64_t end, int thread) {
             measure_mid(m, (int32_t)i, ends, 2, &off, &edge, dim);
         }
         /* Of a node with several parents any may be noted: its cells decide each by its own. */
-        s->is_off[i] = is_off(s->watch, off, edge) || m->end[i][0] == PL_OF_MORE ||
-                       m->plan->role[i] & PL_OF_EDGES;
+        s->is_off[i] =
+            is_off(off, edge) || m->end[i][0] == PL_OF_MORE || m->plan->role[i] & PL_OF_EDGES;
         for (int d = 0; d < dim; d++) {
             const double x = pl_mid_coordinate(m, (int32_t)i, d, 0);
             largest = pl_larger(fabs(x), largest);
@@ -84,7 +97,8 @@ static void mids_chunk(void *context, int64_t begin, int64_t end, int thread) {
     pl_lower_to(&s->lowest, lowest);
 }
 
-/** Whether a node of the cell is off by more than a part of its longest edge. */
+/** Whether a node of the cell is off by more than a part of its longest edge, and by more than rounding; or by
+ *  less, but so that the cell is not valid or may become so. */
 static int is_cell_curved(const search *s, int64_t cell) {
     const pl_watch *w = s->watch;
     const planish_plan *plan = w->plan;
@@ -114,7 +128,8 @@ static int is_cell_curved(const search *s, int64_t cell) {
         if (given[i] >= 0)
             farthest = pl_larger(off, farthest);
     }
-    return any && is_off(w, farthest, longest);
+    return any && is_off(farthest, longest) &&
+           (farthest > w->rounding * w->rounding || !is_nearly_straight(w, type, cell));
 }
 
 /** The type whose rule decides a cell during sweeps; 0: its corners do. */

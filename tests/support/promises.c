@@ -178,6 +178,16 @@ static int check_left_alone(const trial *t) {
     return 1;
 }
 
+/** Untangling may invert elements, but repairs more. */
+static int check_repairs_more(const trial *t) {
+    for (int64_t i = 0; t->is.inverted == t->was.inverted && i < t->mesh->n_elements; i++)
+        if (t->p->is_known[i] && worth_is_positive(&t->problem, t->before, i) &&
+            !worth_is_positive(&t->problem, t->after, i))
+            return promise_break(t->p, "element %lld was positive, and no more are repaired",
+                                 (long long)i);
+    return 1;
+}
+
 /** Of a mesh that is as it should be: F, the worst element and the smallest angle. */
 static int check_no_worse(const trial *t) {
     const planish_options *o = t->options;
@@ -206,6 +216,8 @@ static int check_elements(const trial *t) {
         return promise_break(t->p, "%lld elements are below their minimum volume, %lld were",
                              (long long)t->is.below, (long long)t->was.nearly);
     if (!t->options->untangle && !check_left_alone(t))
+        return 0;
+    if (!check_repairs_more(t))
         return 0;
     return t->was.inverted > 0 || t->was.nearly > 0 || check_no_worse(t);
 }

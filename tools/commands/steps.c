@@ -5,6 +5,7 @@
 #include "commands/steps.h"
 
 #include "commands/promises.h"
+#include "commands/rounds.h"
 #include "job/curved.h"
 #include "job/entities.h"
 #include "job/heights.h"
@@ -20,17 +21,14 @@
 #include "report/table.h"
 #include "terminal/message.h"
 #include "terminal/platform.h"
-#include "terminal/signals.h"
 #include "terminal/terminal.h"
 #include "terminal/text.h"
 
-#include "base/clock.h"
 #include "base/status.h"
 
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 static int has_mids(const planish_cells *cells) {
     for (int64_t i = 0; cells && i < cells->n; i++)
@@ -178,102 +176,6 @@ static int prepare(pl_job *job, pl_result *result, pl_progress *progress) {
     return status;
 }
 
-/** Listeners to the sweeps. */
-typedef struct listeners {
-    pl_progress *progress;
-    pl_history *history; /* or NULL */
-} listeners;
-
-/** The callback of the sweeps; user is a listeners. */
-static int tell(const planish_progress *step, void *user) {
-    const listeners *to = user;
-    pl_history_take(to->history, step);
-    return pl_progress_step(step, to->progress);
-}
-
-static int run_sweeps(pl_job *job, pl_result *result, listeners *to) {
-    const planish_result *smooth = &result->smooth;
-    const pl_progress *progress = to->progress;
-    planish_error error;
-    char text[256];
-    const double begin = pl_seconds();
-    pl_signals_install_stop(); /* before, there is nothing to save: a signal just ends the program
-                                */
-    job->options.progress = tell;
-    job->options.progress_user = to;
-    const int code = job->engine->smooth(job, &result->smooth, &error);
-    result->smooth_seconds = pl_seconds() - begin;
-    if (code)
-        return pl_job_complain(job, PL_EXIT_FAILED, &error);
-    pl_progress_clear(to->progress);
-    if (progress->out_of_memory) /* no reason to lose the mesh */
-        pl_note(stderr,
-                "%s: out of memory for the history of the sweeps; the report lacks some sweeps",
-                job->arguments->output);
-    if (job->arguments->verbosity >= PL_VERBOSE && pl_result_has_optimality(job)) {
-        snprintf(text, sizeof text,
-                 "KKT residual: largest %.3g, RMS %.3g; %" PRId64
-                 " active constraints, largest multiplier %.3g",
-                 smooth->kkt_residual, smooth->kkt_rms, smooth->n_active, smooth->max_multiplier);
-        pl_terminal_wrap(stderr, text);
-    }
-    return 0;
-}
-
-/** Whether sweeps may be repeated from the start: they have come to their end, the mesh was valid, and kept
- *  layers may have changed their heights. */
-static int may_repeat(const pl_job *job, const pl_result *result) {
-    const planish_stop stop = result->smooth.stop;
-    return job->layers.n_kept > 0 && !job->onto.fit && !pl_signals_stop_asked() &&
-           (stop == PLANISH_STOP_CONVERGED || stop == PLANISH_STOP_MAX_SWEEPS) &&
-           pl_validity_faults(&result->validity_before, &result->before) == 0;
-}
-
-/** Go back to the start, with the nodes held that job->constraint fixes now. */
-static int begin_again(pl_job *job, pl_result *result, listeners *to) {
-    const size_t size = (size_t)(job->mesh.n_nodes * job->mesh.dim) * sizeof(double);
-    double *coordinates = planish_file_coordinates(job->file);
-    int status;
-    memcpy(coordinates, job->like.place, size);
-    job->engine->plan_destroy(job);
-    free(job->wrapped);
-    job->wrapped = NULL;
-    to->progress->n_sweeps = 0;
-    pl_history_free(to->history);
-    to->history = NULL;
-    if ((status = pl_job_plan(job)))
-        return status;
-    if ((status = pl_held_count(job)))
-        return status;
-    if ((status = pl_job_measure(job, &result->before)))
-        return status;
-    return pl_history_begin(job, result->picture, &to->history);
-}
-
-/** Smooth. Where kept layers change their heights by much, their nodes are held, and it begins again; in the
- *  last round all nodes of layers. */
-static int smooth_layers(pl_job *job, pl_result *result, listeners *to) {
-    enum { ROUNDS = 7 };
-    const double limit = job->options.time_limit, least = 1e-3;
-    double seconds = 0; /* of rounds that were given up */
-    int status = run_sweeps(job, result, to);
-    for (int round = 0; !status && round < ROUNDS && may_repeat(job, result); round++) {
-        int64_t n;
-        status = pl_heights_hold(job, round == ROUNDS - 1, &n);
-        if (status || n == 0)
-            break;
-        seconds += result->smooth_seconds;
-        if (limit > 0) /* of all rounds */
-            job->options.time_limit = limit - seconds > least ? limit - seconds : least;
-        status = begin_again(job, result, to);
-        if (!status)
-            status = run_sweeps(job, result, to);
-    }
-    job->options.time_limit = limit;
-    result->smooth_seconds += seconds;
-    return status;
-}
-
 /** Find out what came of the sweeps, and whether it may be written. */
 static int check_result(pl_job *job, pl_result *result) {
     const planish_result *smooth = &result->smooth;
@@ -331,9 +233,9 @@ int pl_steps_check(const pl_job *job) {
 }
 
 /** From the sweeps to the result. */
-static int smooth(pl_job *job, pl_result *result, listeners *to) {
+static int smooth(pl_job *job, pl_result *result, pl_listeners *to) {
     int status;
-    if ((status = smooth_layers(job, result, to)))
+    if ((status = pl_rounds_smooth(job, result, to)))
         return status;
     pl_progress_stage(to->progress, PL_STAGE_CHECKING);
     if ((status = check_result(job, result)))
@@ -348,7 +250,7 @@ static int smooth(pl_job *job, pl_result *result, listeners *to) {
 }
 
 int pl_steps_smooth(pl_job *job, pl_result *result, pl_progress *progress) {
-    listeners to = {.progress = progress};
+    pl_listeners to = {.progress = progress};
     int status = prepare(job, result, progress);
     if (!status)
         status = pl_history_begin(job, result->picture, &to.history);

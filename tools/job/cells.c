@@ -174,6 +174,34 @@ int pl_cells_find_states(const pl_job *job, uint8_t **state) {
     return pl_job_complain(job, PL_EXIT_FAILED, &error);
 }
 
+/** Mark the simplices that are inverted. */
+static int find_inverted(const pl_job *job, uint8_t *is_faulty) {
+    const int64_t n = job->mesh.n_elements;
+    planish_error error;
+    double *ratio = malloc(((size_t)n + 1) * sizeof *ratio);
+    if (!ratio)
+        return pl_job_complain_memory(job, "values of elements");
+    const int code = job->engine->measure_elements(job, ratio, &error);
+    for (int64_t i = 0; !code && i < n; i++)
+        is_faulty[i] = ratio[i] == 0;
+    free(ratio);
+    return code ? pl_job_complain(job, PL_EXIT_FAILED, &error) : 0;
+}
+
+int pl_cells_find_faults(const pl_job *job, uint8_t **is_faulty) {
+    const int64_t n = job->mesh.n_elements;
+    if (!job->mesh.cells) {
+        *is_faulty = malloc((size_t)n + 1);
+        return *is_faulty ? find_inverted(job, *is_faulty)
+                          : pl_job_complain_memory(job, "states of elements");
+    }
+    const int status = pl_cells_find_states(job, is_faulty);
+    for (int64_t i = 0; !status && i < n; i++)
+        (*is_faulty)[i] = (*is_faulty)[i] == PLANISH_CELL_STATE_INVERTED ||
+                          (*is_faulty)[i] == PLANISH_CELL_STATE_UNCERTIFIED;
+    return status;
+}
+
 int64_t pl_validity_faults(const pl_validity *validity, const planish_quality *quality) {
     const planish_cell_measures *all = &validity->quality.all;
     return validity->is_known ? all->n_inverted + all->n_uncertified : quality->n_inverted;

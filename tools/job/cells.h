@@ -7,6 +7,7 @@
  *     pl_cells_convert            a copy for viewing, with their measures
  *     pl_cells_rounding           how far off rounding takes nodes
  *     pl_cells_find_states        planish_cell_state of each
+ *     pl_cells_find_faults        those that are not valid
  *
  * Functions that return an int return 0, or an exit status after a message.
  */
@@ -54,6 +55,10 @@ void pl_validity_free(pl_validity *validity);
 /** Find the state of each element of job->mesh, which has cells: *state [mesh.n_elements] of
  *  planish_cell_state, to be freed by the caller. */
 int pl_cells_find_states(const pl_job *job, uint8_t **state);
+
+/** Mark the elements of job->mesh that are inverted, or not known to be valid: *is_faulty [mesh.n_elements], to
+ *  be freed by the caller also after an error. */
+int pl_cells_find_faults(const pl_job *job, uint8_t **is_faulty);
 
 /** Elements that are inverted, or not known to be valid: quality is of the same mesh. */
 int64_t pl_validity_faults(const pl_validity *validity, const planish_quality *quality);

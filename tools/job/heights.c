@@ -14,6 +14,10 @@
  * part on: those beside would change more. */
 static const double MUCH = 0.1, HELD_FROM = 0.05;
 
+/* Rings of elements around those that are not valid whose nodes are not held: rows beside a height that
+ * grows have to make room. */
+enum { RELEASED_RINGS = 4 };
+
 /* Changes are as percentages up to this many times the height. */
 static const double MOST_PERCENT = 10;
 
@@ -96,41 +100,106 @@ static void spread_off(const pl_job *job, double *off) {
     }
 }
 
-/** Hold the nodes that are off, where the one that is off most is so by much; return how many are new. */
-static int64_t hold_nodes(pl_job *job, int of_all, double *off) {
+/** Add the nodes that are off to those held, where the one that is off most is so by much; return how many are
+ *  new. */
+static int64_t add_nodes(const pl_job *job, int of_all, double *off, uint8_t *in_layer) {
     const int64_t n_nodes = job->mesh.n_nodes;
     double worst = 0;
     int64_t n = 0;
-    for (int64_t i = 0; i < n_nodes; i++)
+    for (int64_t i = 0; i < n_nodes; i++) {
+        off[i] = job->wanted.is_released[i] ? 0 : off[i];
         worst = fmax(worst, off[i]);
+    }
     if (worst > MUCH && of_all)
         spread_off(job, off);
     for (int64_t i = 0; worst > MUCH && i < n_nodes; i++)
-        if (off[i] > HELD_FROM && job->constraint[i] != PLANISH_CONSTRAINT_FIXED) {
-            job->in_layer[i] = 1;
-            job->constraint[i] = PLANISH_CONSTRAINT_FIXED;
+        if (off[i] > HELD_FROM && job->constraint[i] != PLANISH_CONSTRAINT_FIXED &&
+            !job->wanted.is_released[i]) {
+            in_layer[i] = 1;
             n++;
         }
     return n;
 }
 
-int pl_heights_hold(pl_job *job, int of_all, int64_t *n) {
-    const size_t n_nodes = (size_t)job->mesh.n_nodes + 1;
+/** Make room for what holding nodes needs, and begin with those that are held now: in_layer. */
+static int begin_choice(pl_job *job, uint8_t *in_layer) {
+    const size_t n = (size_t)job->mesh.n_nodes + 1;
+    pl_wanted_heights *wanted = &job->wanted;
+    if (!job->in_layer)
+        job->in_layer = calloc(n, 1);
+    if (!wanted->is_released)
+        wanted->is_released = calloc(n, 1);
+    if (!wanted->constraint) {
+        wanted->constraint = malloc(n);
+        if (wanted->constraint)
+            memcpy(wanted->constraint, job->constraint, n - 1);
+    }
+    if (!job->in_layer || !wanted->is_released || !wanted->constraint)
+        return pl_job_complain_memory(job, "heights of layers");
+    memcpy(in_layer, job->in_layer, n - 1);
+    return 0;
+}
+
+int pl_heights_choose(pl_job *job, int of_all, uint8_t *in_layer, int64_t *n) {
     planish_layer_heights heights;
     *n = 0;
     if (!job->like.is_layer || !job->like.place)
         return 0;
-    if (!job->in_layer)
-        job->in_layer = calloc(n_nodes, 1);
-    double *off = malloc(n_nodes * sizeof *off);
-    const int has_memory = off && job->in_layer;
-    const int status =
-        has_memory ? measure(job, &heights, off) : pl_job_complain_memory(job, "heights of layers");
-    if (has_memory && !status)
-        *n = hold_nodes(job, of_all, off);
-    job->wanted.n_held += *n;
+    int status = begin_choice(job, in_layer);
+    double *off = malloc(((size_t)job->mesh.n_nodes + 1) * sizeof *off);
+    if (!status && !off)
+        status = pl_job_complain_memory(job, "heights of layers");
+    if (!status)
+        status = measure(job, &heights, off);
+    if (!status)
+        *n = add_nodes(job, of_all, off, in_layer);
     free(off);
     return status;
+}
+
+/** Mark all nodes of marked elements, */
+static void mark_nodes(const pl_job *job, const uint8_t *is_marked, uint8_t *node) {
+    int corners;
+    for (int64_t i = 0; i < job->mesh.n_elements; i++) {
+        const int32_t *corner = pl_job_corners(job, i, &corners);
+        for (int j = 0; is_marked[i] && j < corners; j++)
+            node[corner[j]] = 1;
+    }
+}
+
+/** and all elements of marked nodes. */
+static void mark_elements(const pl_job *job, const uint8_t *node, uint8_t *is_marked) {
+    int corners;
+    for (int64_t i = 0; i < job->mesh.n_elements; i++) {
+        const int32_t *corner = pl_job_corners(job, i, &corners);
+        for (int j = 0; j < corners; j++)
+            is_marked[i] |= node[corner[j]];
+    }
+}
+
+int64_t pl_heights_release(pl_job *job, uint8_t *is_faulty, uint8_t *in_layer) {
+    uint8_t *is_released = job->wanted.is_released;
+    int64_t n = 0;
+    mark_nodes(job, is_faulty, is_released);
+    for (int i = 0; i < RELEASED_RINGS; i++) {
+        mark_elements(job, is_released, is_faulty);
+        mark_nodes(job, is_faulty, is_released);
+    }
+    for (int64_t i = 0; i < job->mesh.n_nodes; i++) {
+        in_layer[i] = job->in_layer[i] && !is_released[i];
+        n += job->in_layer[i] != in_layer[i];
+    }
+    return n;
+}
+
+void pl_heights_hold(pl_job *job, const uint8_t *in_layer) {
+    const uint8_t *before = job->wanted.constraint;
+    job->wanted.n_held = 0;
+    for (int64_t i = 0; i < job->mesh.n_nodes; i++) {
+        job->in_layer[i] = in_layer[i];
+        job->constraint[i] = in_layer[i] ? PLANISH_CONSTRAINT_FIXED : before[i];
+        job->wanted.n_held += job->constraint[i] != before[i];
+    }
 }
 
 /** Write by how much a height is off: "+7.3 %", "x 14". */
@@ -215,14 +284,18 @@ static double find_worst(const planish_layer_heights *of, int *row) {
 }
 
 void pl_heights_note(FILE *stream, const pl_job *job, const pl_heights *heights) {
-    char all[80];
+    char all[80], why[160];
     int row;
     if (!heights->is_known || !(find_worst(&heights->of, &row) > MUCH))
         return;
     put_row(&heights->of.all, all, sizeof all);
+    snprintf(why, sizeof why,
+             ": with their nodes held %" PRId64 " more element%s would stay inverted",
+             job->wanted.n_faults, job->wanted.n_faults == 1 ? "" : "s");
     pl_note(stream, "heights of layers are %s off %s, most in row %d%s%s", all,
             compared_with(job, heights), row, row == PLANISH_LAYER_ROWS ? " or above" : "",
-            is_like(job) ? ""
+            is_like(job)               ? ""
+            : job->wanted.n_faults > 0 ? why
             : heights->of.n_told > 0
                 ? ": --like FILE, the mesh before its wall moved, keeps them better, and "
                   "--layers hold keeps them as they are"

@@ -3,7 +3,9 @@
  *
  *     pl_heights_begin       find out what they are compared with
  *     pl_heights_measure     of the mesh as it is now
- *     pl_heights_hold        nodes of kept layers whose heights have changed by much
+ *     pl_heights_choose      nodes of kept layers whose heights have changed by much
+ *     pl_heights_release     nodes that are not held, as elements need them
+ *     pl_heights_hold        hold nodes
  *     pl_heights_put, _note  a line for a table; a note where they are off by much
  *
  * Functions that return an int return 0, or an exit status after a message.
@@ -27,9 +29,18 @@ int pl_heights_begin(pl_job *job);
 /** Measure the mesh as it is now. */
 int pl_heights_measure(const pl_job *job, pl_heights *heights);
 
-/** Hold the nodes of kept layers at heights that have changed by much, if there are any, in job->constraint;
- *  not where a wall was moved. of_all: those of all layers, if there are any. *n: how many nodes are new. */
-int pl_heights_hold(pl_job *job, int of_all, int64_t *n);
+/** Choose the nodes that are held at their heights: in_layer [n_nodes], those that are held now, and those of
+ *  kept layers at heights that have changed by much, if there are any; not where a wall was moved, nor those
+ *  that were released. of_all: all nodes of layers, if there are any. *n: how many nodes are new. */
+int pl_heights_choose(pl_job *job, int of_all, uint8_t *in_layer, int64_t *n);
+
+/** Release the nodes of faulty elements and of some rings of elements around these, or around all that were
+ *  released before: in_layer [n_nodes] has those that are held now without them, and they are not chosen again.
+ *  Nodes have been chosen before. is_faulty [n_elements] is changed. Returns how many are no longer held. */
+int64_t pl_heights_release(pl_job *job, uint8_t *is_faulty, uint8_t *in_layer);
+
+/** Hold these nodes, and no others, at their heights, in job->constraint. Nodes have been chosen before. */
+void pl_heights_hold(pl_job *job, const uint8_t *in_layer);
 
 /** Put lines on heights, if they are known. */
 void pl_heights_put(FILE *stream, const pl_job *job, const pl_heights *heights);

@@ -767,6 +767,8 @@ int pl_job_measure(const pl_job *job, planish_quality *quality) {
 void pl_job_close(pl_job *job) {
     free(job->wanted.is_layer);
     free(job->wanted.place);
+    free(job->wanted.constraint);
+    free(job->wanted.is_released);
     if (job->engine)
         job->engine->plan_destroy(job);
     planish_fit_destroy(job->onto.fit);

@@ -33,6 +33,9 @@ typedef struct pl_wanted_heights {
                           that, or nobody asks */
     double *place;  /* [n_nodes][dim] where layers have these heights, owned, or NULL: like.place */
     int64_t n_held; /* nodes that are held as heights of kept layers would change by much */
+    int64_t n_faults;     /* more elements that stay inverted where all such nodes are held */
+    uint8_t *constraint;  /* [n_nodes] before these are held, owned, or NULL: none was chosen */
+    uint8_t *is_released; /* [n_nodes] 1: is not held, as an element needs it; owned, or NULL */
 } pl_wanted_heights;
 
 /** Why a node is held, in the order in which reasons count. A node may have several; as bits they

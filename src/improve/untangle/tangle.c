@@ -355,12 +355,15 @@ int pl_tangle_create(pl_run *r, int raises, pl_tangle *t, planish_error *error) 
     t->in_patch = pl_alloc_zero(plan->work.n_nodes, sizeof *t->in_patch);
     t->size = pl_alloc_zero(plan->work.n_nodes, sizeof *t->size);
     t->before = pl_alloc(plan->work.n_nodes * plan->dim, sizeof *t->before);
+    t->begin = pl_alloc(plan->work.n_nodes * plan->dim, sizeof *t->begin);
     t->star_of = pl_alloc(plan->work.n_nodes, sizeof *t->star_of);
     t->queue = pl_alloc(plan->interior.stars.n_stars, sizeof *t->queue);
     t->of_thread = pl_alloc(plan->threads, sizeof *t->of_thread);
-    if (!t->in_patch || !t->size || !t->before || !t->star_of || !t->queue || !t->of_thread ||
-        !list_ghosts(t))
+    if (!t->in_patch || !t->size || !t->before || !t->begin || !t->star_of || !t->queue ||
+        !t->of_thread || !list_ghosts(t))
         return pl_fail_memory(error, "untangling");
+    memcpy(t->begin, plan->scratch.coordinates,
+           (size_t)(plan->work.n_nodes * plan->dim) * sizeof *t->begin);
     pl_plan_number_stars(plan, t->star_of);
     t->scale = pl_box_of_fixed(plan).scale;
     t->asked = (pl_star_untangling){t->in_patch, t->size, t->link_skip, 1, 1};
@@ -378,6 +381,7 @@ void pl_tangle_destroy(pl_tangle *t) {
     pl_free(t->in_patch);
     pl_free(t->size);
     pl_free(t->before);
+    pl_free(t->begin);
     pl_free(t->star_of);
     pl_free(t->is_ghost);
     pl_free(t->ghost);

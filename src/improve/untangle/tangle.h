@@ -30,7 +30,8 @@ typedef struct pl_tangle {
     uint8_t
         *is_marked;    /* [n_elements] likewise, of cells whose coefficients are rows of problem; */
     pl_marked marked;  /* these rows */
-    double *before;    /* [n_nodes][dim] of the mesh that stands, while a rung is tried */
+    double *before;    /* [n_nodes][dim] of the mesh that stands, while a rung is tried, */
+    double *begin;     /* and of the mesh before all of them */
     uint8_t *is_ghost; /* [n_nodes] of a mesh in parts; NULL: there are none */
     int32_t *ghost;    /* [n_ghosts] ghosts whose nodes may move, */
     uint8_t *was_in_patch; /* [n_ghosts] and whether they were in the patch a ring ago */

@@ -352,8 +352,9 @@ static int climb_in_rounds(pl_tangle *t, const rung *step) {
 }
 
 /** Climb the n rungs of ladder, each a trial that shows; not 0 if cut short. The result of a rung
- *  stands if fewer cells are tangled after it, and no more inverted. In a mesh that was valid F and
- *  the worst RR must not have risen either, unless it is volumes that count (raises). */
+ *  stands if fewer cells are tangled after it, and no more inverted, but for cells inside where rounds
+ *  follow. In a mesh that was valid F and the worst RR must not have risen either, unless it is volumes
+ *  that count (raises). */
 static int climb(pl_tangle *t, int raises, const rung *ladder, int n) {
     pl_run *r = t->run;
     int stopped = 0;
@@ -365,8 +366,9 @@ static int climb(pl_tangle *t, int raises, const rung *ladder, int n) {
         stopped = climb_in_rounds(t, &ladder[i]);
         pl_tangle_find(t);
         const pl_objective_sums *before = &trial.standing, *now = &r->sums;
-        const int is_no_worse = now->inverted <= before->inverted ||
-                                (r->plan->work.corner && !t->is_inside && pl_tangled(now) < 1);
+        const int has_rounds = r->plan->work.corner && !t->is_inside && !raises; /* after these */
+        const int is_no_worse =
+            now->inverted <= before->inverted || (has_rounds && pl_tangled(now) < 1);
         const int is_taken =
             t->n_tangled < n_tangled && is_no_worse &&
             (pl_tangled(before) > 0 || t->is_inside || raises ||
@@ -409,7 +411,8 @@ static int climb_for_inside(pl_tangle *t, int *stopped, planish_error *error) {
     return status;
 }
 
-/** Climb ladder, and then that of rounds; where more is inverted in the end than before, go back. */
+/** Climb ladder, and then that of rounds; where more is inverted in the end than before, go back to where it
+ *  began. */
 static int climb_ladder(pl_run *r, int raises, const rung *ladder, int n, planish_error *error) {
     const int sweeps = r->result->untangling_sweeps;
     const double inverted = r->sums.inverted;
@@ -426,8 +429,9 @@ static int climb_ladder(pl_run *r, int raises, const rung *ladder, int n, planis
         pl_tangle_return(&t);
     if (climbs && !raises && !stopped && pl_tangle_has_rounds(&t))
         status = climb_for_inside(&t, &stopped, error);
-    if (r->sums.inverted > inverted) {
-        pl_plan_order(r->plan, r->given, r->plan->scratch.coordinates);
+    if (climbs && r->sums.inverted > inverted) {
+        memcpy(r->plan->scratch.coordinates, t.begin,
+               (size_t)(r->plan->work.n_nodes * r->plan->dim) * sizeof *t.begin);
         pl_run_measure(r);
     }
     r->phase = PLANISH_PHASE_SMOOTH;
