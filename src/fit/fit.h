@@ -6,6 +6,7 @@
  *
  *   create.h     pl_fit_create, _destroy      the nodes, and the elements around them
  *   pieces.h     pl_fit_find_pieces           what the outside of a shape consists of
+ *   hollows.h    pl_fit_turn_hollows          which of these lie in others
  *   partners.h   pl_fit_find_partners         which piece is for which
  *   sides.h      pl_fit_are_alike             features by what they bound
  *   places.h     pl_fit_find_places           the other shape's places of the nodes

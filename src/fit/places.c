@@ -13,6 +13,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
+#include "fit/hollows.h"
 #include "fit/partners.h"
 #include "fit/pieces.h"
 #include "fit/sides.h"
@@ -548,7 +549,7 @@ int pl_fit_find_places(planish_fit *fit, const pl_points *points, planish_error 
     if (!status)
         status = pl_fit_find_pieces(onto, &fit->pieces, error);
     if (!status)
-        status = pl_fit_turn_hollows(onto, fit->threads, &fit->pieces, error);
+        status = pl_fit_turn_hollows(onto, &fit->facets, fit->threads, &fit->pieces, error);
     if (!status && !(sum = pl_alloc_zero(fit->pieces.n + 1, sizeof *sum)))
         status = pl_fail_memory(error, "the places of a fit");
     if (!status) {
