@@ -51,6 +51,7 @@ typedef struct pl_fit_pieces {
     uint8_t *is_closed; /* [n] 1: it has a border nowhere */
     int8_t *outward; /* [n] -1: its facets turn into the room that it encloses, if it is closed */
     int8_t *turn;    /* [n] -1: they turn into the body, if it is closed */
+    int32_t *nest;   /* [n] the outermost of closed ones in one another; -1: it is by itself */
     double *area;    /* [n] */
     pl_box3 *box;    /* [n] */
 } pl_fit_pieces;

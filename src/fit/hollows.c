@@ -117,22 +117,43 @@ static void send_rays(rays *r) {
     }
 }
 
-/** Turn the pieces of a stretch that are in an odd number of others. */
+/** Return how many pieces the piece of rays lies in. *nest: the widest one of these; -1: there is none. */
+static int count_around(const rays *r, int32_t *nest) {
+    double widest = 0;
+    int n = 0;
+    *nest = -1;
+    for (int32_t k = 0; k < r->n_met; k++) {
+        const int32_t other = r->met[k], *around = r->meeting[other].around;
+        const pl_box3 *box = &r->hollows->pieces->box[other];
+        const double width = box->upper[0] - box->lower[0];
+        if (!around[0] || !around[1] || !around[2])
+            continue;
+        *nest = width > widest ? other : *nest;
+        widest = fmax(widest, width);
+        n++;
+    }
+    return n;
+}
+
+/** Find the nests of the pieces of a stretch, and turn those that are in an odd number of others. */
 static void turn_hollows(void *context, int64_t begin, int64_t end, int thread) {
     const hollows *h = context;
     pl_fit_pieces *pieces = h->pieces;
     for (int32_t i = (int32_t)begin; i < end; i++) {
         rays r = {.hollows = h, .piece = i, .meeting = h->meeting[thread], .met = h->met[thread]};
-        int n_around = 0;
-        if (!pieces->is_closed[i])
-            continue;
-        send_rays(&r);
-        for (int32_t k = 0; k < r.n_met; k++) {
-            const int32_t *around = r.meeting[r.met[k]].around;
-            n_around += around[0] && around[1] && around[2];
-        }
-        if (n_around % 2)
+        if (pieces->is_closed[i])
+            send_rays(&r);
+        if (count_around(&r, &pieces->nest[i]) % 2)
             pieces->turn[i] = (int8_t)-pieces->turn[i];
+    }
+}
+
+/** Make each outermost piece one of its own nest. */
+static void join_outermost(pl_fit_pieces *pieces) {
+    for (int32_t i = 0; i < pieces->n; i++) {
+        const int32_t nest = pieces->nest[i];
+        if (nest >= 0 && pieces->nest[nest] < 0)
+            pieces->nest[nest] = nest;
     }
 }
 
@@ -163,10 +184,13 @@ static void free_room(hollows *h, int threads) {
 int pl_fit_turn_hollows(const planish_shape *shape, const pl_tree *facets, int threads,
                         pl_fit_pieces *pieces, planish_error *error) {
     hollows h = {.shape = shape, .tree = facets, .pieces = pieces};
-    const int have = make_room(&h, threads) &&
+    pieces->nest = pl_alloc(pieces->n, sizeof *pieces->nest);
+    const int have = pieces->nest && make_room(&h, threads) &&
                      pl_items_of_nodes(pieces->n, shape->n_facets, piece_of, pieces, 1, &h.facets);
-    if (have)
+    if (have) {
         pl_parallel_for(threads, pieces->n, CHUNK, turn_hollows, &h);
+        join_outermost(pieces);
+    }
     free_room(&h, threads);
     return have ? PLANISH_OK : pl_fail_memory(error, "the pieces of a surface");
 }

@@ -4,7 +4,8 @@
 
 #include "fit/fit.h"
 
-/** Turn the closed pieces that are hollows in others. facets: the tree of all facets. Errors: _MEMORY. */
+/** Turn the closed pieces that are hollows in others, and find the nests of all. facets: the tree of all facets.
+ *  Errors: _MEMORY. */
 int pl_fit_turn_hollows(const planish_shape *shape, const pl_tree *facets, int threads,
                         pl_fit_pieces *pieces, planish_error *error);
 

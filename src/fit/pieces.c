@@ -160,6 +160,7 @@ void pl_fit_free_pieces(pl_fit_pieces *pieces) {
     pl_free(pieces->is_closed);
     pl_free(pieces->outward);
     pl_free(pieces->turn);
+    pl_free(pieces->nest);
     pl_free(pieces->area);
     pl_free(pieces->box);
     *pieces = (pl_fit_pieces){.n = 0};

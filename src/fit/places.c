@@ -5,8 +5,9 @@
  * with such sides, a corner at a corner of such facets; where the other shape has none in reach they belong on a patch, too, and stay
  * there: what they bound is not to be lost.
  *
- * The facets of a file may turn any way. Closed pieces of the other shape have bodies or hollows inside, so all turn
- * into the mesh or none, and other pieces each by itself: as nodes near them then have the shorter ways. */
+ * The facets of a file may turn any way. Closed pieces of the other shape that are in one another have bodies and hollows
+ * inside by turns, so all turn into the mesh or none; so do those by themselves, and other pieces each by itself: as
+ * nodes near them then have the shorter ways. */
 #include "fit/places.h"
 
 #include "base/joined.h"
@@ -37,7 +38,7 @@ enum { CHUNK = 64, TRIALS = 32 };
 /* A corner is for nodes within so many of their mean edges, and so many times as far as curves along their own. */
 #define CORNER_EDGES  0.25
 #define CORNER_CURVES 2
-/* If ways are shorter by this factor that decides which way an open piece turns, by itself. */
+/* If ways are shorter by this factor that decides which way a group turns, by itself. */
 #define CLEAR 3
 /* Ways that decide it are sought so many times as far as places. */
 #define WIDER 3
@@ -60,10 +61,12 @@ typedef struct search {
     const pl_fit_sides *sides; /* of these edges; or of a corner */
 } search;
 
-/** All closed pieces are group 0; others are groups by themselves. */
+/** Return the group of a facet of the outside, of pieces that turn together. Closed pieces by themselves are group 0;
+ *  those in one another are a group, and others are groups by themselves. */
 static int32_t group_of(const planish_fit *fit, int32_t facet) {
-    const int32_t piece = fit->pieces.of[facet];
-    return fit->pieces.is_closed[piece] ? 0 : piece + 1;
+    const pl_fit_pieces *pieces = &fit->pieces;
+    const int32_t piece = pieces->of[facet];
+    return (pieces->is_closed[piece] ? pieces->nest[piece] : piece) + 1;
 }
 
 /** Return which way a facet of the outside turns in a search. */
@@ -316,24 +319,24 @@ static void look_for_turns(void *context, int64_t begin, int64_t end, int thread
 static void find_turns(const finding *g, double (*sum)[2]) {
     planish_fit *fit = g->fit;
     const pl_fit_pieces *pieces = &fit->pieces;
-    double all[2] = {0, 0}; /* of open pieces */
+    double all[2][2] = {{0}}; /* of open pieces, and of closed ones */
     for (int32_t i = 0; i < fit->n_nodes; i++) {
-        const int32_t group = g->near[i] < 0 ? -1 : group_of(fit, g->near[i]);
+        const int32_t near = g->near[i];
         const double edge = fit->own->edge_length[i] / fit->to_own;
-        for (int k = 0; k < 2 && group >= 0; k++) {
-            sum[group][k] += edge * edge * g->ways[i][k];
-            all[k] += group > 0 ? edge * edge * g->ways[i][k] : 0;
+        for (int k = 0; k < 2 && near >= 0; k++) {
+            sum[group_of(fit, near)][k] += edge * edge * g->ways[i][k];
+            all[pieces->is_closed[pieces->of[near]]][k] += edge * edge * g->ways[i][k];
         }
     }
-    for (int64_t f = 0; f < fit->onto->n_facets; f++) {
-        if (pieces->of[f] < 0)
+    for (int32_t f = 0; f < fit->onto->n_facets; f++) {
+        const int32_t piece = pieces->of[f];
+        if (piece < 0)
             continue;
-        const int32_t group = group_of(fit, (int32_t)f);
-        const double *of = sum[group];
+        const int32_t group = group_of(fit, f);
+        const double *of = sum[group], *other = all[pieces->is_closed[piece]];
         const int is_clear = group == 0 || fmax(of[0], of[1]) > CLEAR * fmin(of[0], of[1]);
-        const int is_against = is_clear ? of[1] < of[0] : all[1] < all[0];
-        fit->turn[fit->onto->patch[f]] =
-            (int8_t)(pieces->turn[pieces->of[f]] * (is_against ? -1 : 1));
+        const int is_against = is_clear ? of[1] < of[0] : other[1] < other[0];
+        fit->turn[fit->onto->patch[f]] = (int8_t)(pieces->turn[piece] * (is_against ? -1 : 1));
     }
 }
 

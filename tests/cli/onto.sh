@@ -202,6 +202,22 @@ tr '\n' ' ' <err >text
 grep -q "1 piece of two-higher.mesh has no node of the mesh" text || { fail "pieces without nodes are said"; cat err; }
 expect_json 'r["surface"]["unused_pieces"] == 1 and r["surface"]["off"] == 0'
 
+# A shell around one of two plates is for none of them.
+python3 - <<'END'
+sides = [(0, 1, 5), (0, 5, 4), (1, 2, 6), (1, 6, 5), (2, 3, 7), (2, 7, 6), (3, 0, 4), (3, 4, 7), (0, 2, 1), (0, 3, 2),
+         (4, 5, 6), (4, 6, 7)]
+boxes = [(0.7, -0.7, -0.14), (0.7, 0.14, 0.7), (0.8, -0.8, -0.04)]
+with open("shell.off", "w") as off:
+    off.write("OFF\n24 36 0\n")
+    for a, low, high in boxes:
+        off.writelines("%g %g %g\n" % (x, y, z) for z in (low, high) for x, y in ((-a, -a), (a, -a), (a, a), (-a, a)))
+    for box in range(3):
+        off.writelines("3 %d %d %d\n" % tuple(8 * box + v for v in t) for t in sides)
+END
+expect_status 0 "$program" smooth two.mesh --onto shell.off -o two-out.mesh --json report.json
+expect_json 'r["surface"]["on_corners"] == 16 and r["surface"]["off_before"] == 0'
+expect_json 'r["surface"]["unused_pieces"] == 1 and r["surface"]["distance"] < 0.001'
+
 # What is hollow does not go to the outside.
 python3 make.py tets hollow 5 0.7 >hollow.mesh
 python3 make.py tets cube 3 0.7 0.02 >full.mesh

@@ -24,6 +24,7 @@ typedef struct shells {
     int n;
     int32_t *first; /* facet of each shell */
     int *depth;
+    int *nest; /* the outermost shell around it, or in which others are; -1: there is none */
 } shells;
 
 enum { MOST_FACETS = 400000, MOST_SHELLS = 4000 };
@@ -32,7 +33,8 @@ static shells shells_create(void) {
     return (shells){.x = malloc(3 * MOST_FACETS * sizeof(double[3])),
                     .facet = malloc(MOST_FACETS * sizeof(int32_t[3])),
                     .first = malloc(MOST_SHELLS * sizeof(int32_t)),
-                    .depth = malloc(MOST_SHELLS * sizeof(int))};
+                    .depth = malloc(MOST_SHELLS * sizeof(int)),
+                    .nest = malloc(MOST_SHELLS * sizeof(int))};
 }
 
 static void shells_destroy(shells *s) {
@@ -40,6 +42,7 @@ static void shells_destroy(shells *s) {
     free(s->facet);
     free(s->first);
     free(s->depth);
+    free(s->nest);
 }
 
 /** Return the node at a place of a grid on a shell; number: 0, or the node plus 1. */
@@ -59,11 +62,14 @@ static int32_t node_at(shells *s, int32_t *number, const int at[3], int n, int i
 
 /** Add a cube or octahedron of n by n squares on each of six sides, whose facets turn outwards or inwards. */
 static void add_shell(shells *s, int n, int is_octahedron, const double middle[3], double size,
-                      int is_turned, int depth) {
+                      int is_turned, int depth, int nest) {
     static const int CORNER[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     const size_t per_side = (size_t)n + 1;
     int32_t *number = calloc(per_side * per_side * per_side, sizeof *number);
     s->first[s->n] = (int32_t)s->n_facets;
+    s->nest[s->n] = nest;
+    if (nest >= 0)
+        s->nest[nest] = nest;
     s->depth[s->n++] = depth;
     for (int i = 0; i < 6 * n * n; i++) {
         const int side = i / (n * n), axis = side / 2;
@@ -112,7 +118,7 @@ static void find(const shells *s, int threads, planish_shape **shape, pl_fit_pie
     pl_tree_destroy(&tree);
 }
 
-/** Whether the pieces are the shells, and those in an odd number of others are turned. */
+/** Whether the pieces are the shells, with their nests, and those in an odd number of others are turned. */
 static void expect_hollows(const shells *s, const pl_fit_pieces *pieces) {
     assert_int_equal(pieces->n, s->n);
     for (int i = 0; i < s->n; i++) {
@@ -123,11 +129,11 @@ static void expect_hollows(const shells *s, const pl_fit_pieces *pieces) {
 }
 
 /** Add up to four cubes in one another around a place of a grid, which is in a number of others. */
-static void add_nest(shells *s, const double at[3], int depth, uint64_t *random) {
-    const int n = (int)random_below(random, 5);
+static void add_nest(shells *s, const double at[3], int depth, int nest, uint64_t *random) {
+    const int first = s->n, n = (int)random_below(random, 5);
     for (int k = 0; k < n; k++)
         add_shell(s, 1 + (int)random_below(random, 3), 0, at, 0.5 - 0.125 * k,
-                  (int)random_below(random, 2), depth + k);
+                  (int)random_below(random, 2), depth + k, nest >= 0 || k == 0 ? nest : first);
 }
 
 /** Cubes around and in an octahedron, and in others beside it whose boxes are in its box. */
@@ -142,14 +148,14 @@ static void test_nests(void **state) {
         double seconds[2];
         const int is_around = (int)random_below(&random, 2);
         if (is_around)
-            add_shell(&s, 1, 0, none, size + 1, 0, 0);
+            add_shell(&s, 1, 0, none, size + 1, 0, 0, -1);
         add_shell(&s, 2 * (1 + (int)random_below(&random, 3)), 1, none, size,
-                  (int)random_below(&random, 2), is_around);
+                  (int)random_below(&random, 2), is_around, is_around - 1);
         for (int k = 0; k < 5 * 5 * 5; k++) {
             const double at[3] = {k % 5 * 2 - 4, k / 5 % 5 * 2 - 4, k / 25 * 2 - 4};
             const double off = fabs(at[0]) + fabs(at[1]) + fabs(at[2]) - size;
             if (fabs(off) > 1.5)
-                add_nest(&s, at, is_around + (off < 0), &random);
+                add_nest(&s, at, is_around + (off < 0), is_around || off < 0 ? 0 : -1, &random);
         }
         find(&s, 1 + (int)(i % 2), &shape, &pieces, seconds);
         expect_hollows(&s, &pieces);
@@ -168,10 +174,10 @@ static void test_many(void **state) {
     planish_shape *shape;
     pl_fit_pieces pieces;
     double seconds[2];
-    add_shell(&s, 120, 1, none, 4 * PORES, 0, 0);
+    add_shell(&s, 120, 1, none, 4 * PORES, 0, 0, -1);
     for (int k = 0; k < PORES * PORES * PORES; k++) {
         const double at[3] = {k % PORES - 4.5, k / PORES % PORES - 4.5, k / PORES / PORES - 4.5};
-        add_shell(&s, 1, 0, at, 0.25, k % 2, 1);
+        add_shell(&s, 1, 0, at, 0.25, k % 2, 1, 0);
     }
     find(&s, 1, &shape, &pieces, seconds);
     figure("%d pores in %d facets: pieces in %.3g s, hollows in %.3g s", PORES * PORES * PORES,
