@@ -809,7 +809,7 @@ typedef struct planish_fit_info {
     int64_t n_held;         /* nodes that the caller, or elements that are not smoothed, hold */
     int64_t n_off;          /* nodes that are not at their places yet */
     double farthest; /* largest distance of a node from its place, in units of the coordinates */
-    int64_t n_cut; /* corners of three curves or more that have no corner, though one is in reach */
+    int64_t n_cut; /* corners of three bends or more that have no corner, though one is in reach */
     int64_t
         n_unclear; /* of n_out_of_reach: several pieces of the surface would cover the same one, and are held */
     int64_t

@@ -68,7 +68,7 @@ struct planish_fit {
     uint8_t *state;     /* [n_nodes] PL_FIT_.. */
     uint8_t *kind;      /* [n_nodes] PL_ON_PATCH, PL_ON_CURVE, PL_CORNER of the other shape */
     uint8_t *
-        is_cut; /* [n_nodes] 1: a corner of three curves or more, and none of those in reach is for it */
+        is_cut; /* [n_nodes] 1: a corner of three bends or more, and none of those in reach is for it */
     uint8_t *slides;        /* [n_nodes] 1: it moves along the other shape when it is there */
     uint8_t *is_there;      /* [n_nodes] 1: it has come to its place */
     pl_place *place;        /* [n_nodes] of a corner at is its node */

@@ -361,6 +361,17 @@ static double off_curves(const finding *g, int32_t node) {
     return most < 0 ? INFINITY : most;
 }
 
+/** Count the features at a node where the outside bends or ends: not those where regions meet on a plane side. */
+static int count_bends(const finding *g, int32_t node) {
+    int n = 0;
+    for (int64_t i = g->features.offset[node]; i < g->features.offset[node + 1]; i++) {
+        pl_fit_sides sides;
+        pl_fit_look_at_edge(g->fit->own, NULL, g->features.edge[i], &sides);
+        n += sides.n > 1 || sides.is_open;
+    }
+    return n;
+}
+
 /** Return the corner that a corner of the mesh's surface would go to; -1: there is none. Where a coarse curve turns
  *  it has one of its own, which is on the other curve and far from its corners. */
 static int32_t find_corner(const finding *g, int32_t node, double *square) {
@@ -373,7 +384,7 @@ static int32_t find_corner(const finding *g, int32_t node, double *square) {
     *square = reach_of_features(g, node, x);
     if (nearest(&fit->corners, x, square_of_corner, &any, square) < 0)
         return -1;
-    fit->is_cut[node] = g->features.offset[node + 1] - g->features.offset[node] > 2;
+    fit->is_cut[node] = count_bends(g, node) > 2;
     *square = reach_of_features(g, node, x);
     pl_fit_look_at_node(fit->own, NULL, node, &sides);
     const int32_t at = nearest(&fit->corners, x, square_of_corner, &alike, square);

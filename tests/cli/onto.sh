@@ -166,6 +166,11 @@ END
 expect_status 0 "$program" smooth cube.mesh --onto higher.off -o higher.mesh --json report.json
 expect_json 'r["surface"]["on_corners"] == 8 and r["surface"]["cut_corners"] == 0'
 expect_json 'r["surface"]["distance"] < 0.001 and r["surface"]["distance_back"] < 0.001'
+# Where two materials meet on its sides nothing is cut off.
+awk '/^Tetra/ { on = 1; print; next } /^End/ { on = 0 } on { $5 = n++ % 24 < 12 ? 1 : 2 } { print }' cube.mesh >halves.mesh
+"$program" smooth halves.mesh --onto higher.off -o halves-out.mesh --json report.json >out 2>err
+! grep -q "cut off" err || { fail "materials that meet are no corners"; cat err; }
+expect_json 'r["surface"]["on_corners"] == 8 and r["surface"]["cut_corners"] == 0'
 "$program" smooth cube.mesh --onto roof.off -o under-roof.mesh --json report.json >out 2>err
 tr '\n' ' ' <err >text
 grep -q "2 corners of the surface are not at a corner of roof.off" text || { fail "cut corners are said"; cat err; }
