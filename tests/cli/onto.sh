@@ -120,12 +120,27 @@ for file in fine.stl fine-surface.mesh; do
     expect_status 0 "$program" smooth coarse.mesh --onto $file -o stl.mesh --json report.json -q
     expect_json 'r["surface"]["off_before"] == 152 and r["surface"]["off"] == 0 and r["surface"]["distance_in_edges"] < 0.2'
 done
-# All triangles twice, which join nothing.
+# All triangles twice, or with points of their own, join as they do in fine.stl; points that differ do not.
 { sed '/^endsolid/d' fine.stl; sed '1d' fine.stl; } >twice.stl
-"$program" smooth coarse.mesh --onto fine.stl -o stl.mesh >out 2>err
-! grep -q "patches, and nodes stay in theirs" err || fail "$(cat err)"
-"$program" smooth coarse.mesh --onto twice.stl -o stl.mesh >out 2>err
-expect_text "note: the 4704 triangles of twice.stl are 4704 patches, and nodes stay in theirs: join its points"
+python3 - <<'END'
+lines = [line.split()[1:] for line in open("fine.stl") if line.startswith("vertex")]
+for name, step in ("own", 0), ("loose", 1e-7):
+    with open(name + ".off", "w") as off:
+        off.write("OFF\n%d %d 0\n" % (len(lines), len(lines) // 3))
+        off.writelines("%.9f %.9f %.9f\n" % tuple(float(x) + step * (i % 17) for x in p) for i, p in enumerate(lines))
+        off.writelines("3 %d %d %d\n" % (i, i + 1, i + 2) for i in range(0, len(lines), 3))
+END
+"$program" smooth coarse.mesh --onto fine.stl -o stl.mesh --json fine.json >out 2>err
+! grep -q "patches, and nodes stay in theirs\|joined\|left out" err || fail "$(cat err)"
+for file in twice.stl own.off; do
+    expect_status 0 "$program" smooth coarse.mesh --onto $file -o joined.mesh --json report.json
+    ! grep -q "patches, and nodes stay in theirs" err || fail "$(cat err)"
+    expect_text "$([ $file = own.off ] && echo "note: 5878 points" || echo "note: 2352 triangles") of $file are"
+    expect_json 'r["surface"]["unused_pieces"] == 0 and r["surface"]["off"] == 0'
+    expect_json 'abs(r["surface"]["distance"] - json.load(open("fine.json"))["surface"]["distance"]) < 1e-4'
+done
+"$program" smooth coarse.mesh --onto loose.off -o stl.mesh >out 2>err
+expect_text "note: the 2352 triangles of loose.off are 2352 patches, and nodes stay in theirs: join its points"
 sed 's/^vertex/vertex nan/;t;' fine.stl >nan.stl
 printf 'solid none\nendsolid none\n' >empty.stl
 for file in nan.stl empty.stl; do
