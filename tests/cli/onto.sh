@@ -206,6 +206,11 @@ expect_text "are not on half.mesh yet"
 expect_json 'r["certified"] and 0 < r["surface"]["off"] <= 152 and r["surface"]["farthest"] > 0.1'
 expect_json 'r["surface"]["distance"] >= r["surface"]["farthest"] * 0.99'
 
+# An element that is there twice is held; no node inside is one of the surface without a place.
+awk '/^Tetra/ { print $1, $2 + 1; getline; print } { print }' coarse.mesh >again.mesh
+expect_status 0 "$program" smooth again.mesh --onto fine.mesh -o again-out.mesh --json report.json
+expect_json 'r["surface"]["held"] == 4 and r["surface"]["out_of_reach"] == 0 and r["surface"]["off"] == 0'
+
 # Two plates go to two plates that are higher by more than the gap; not both to one.
 python3 make.py tets two 5 0.7 >two.mesh
 python3 make.py tets two 5 0.7 0.35 >two-higher.mesh
