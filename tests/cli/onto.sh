@@ -124,18 +124,20 @@ done
 { sed '/^endsolid/d' fine.stl; sed '1d' fine.stl; } >twice.stl
 python3 - <<'END'
 lines = [line.split()[1:] for line in open("fine.stl") if line.startswith("vertex")]
-for name, step in ("own", 0), ("loose", 1e-7):
+for name, step in ("own", 0), ("both", 0), ("loose", 1e-7):
     with open(name + ".off", "w") as off:
-        off.write("OFF\n%d %d 0\n" % (len(lines), len(lines) // 3))
+        off.write("OFF\n%d %d 0\n" % (len(lines), len(lines) // 3 + 2 * (name == "both")))
         off.writelines("%.9f %.9f %.9f\n" % tuple(float(x) + step * (i % 17) for x in p) for i, p in enumerate(lines))
         off.writelines("3 %d %d %d\n" % (i, i + 1, i + 2) for i in range(0, len(lines), 3))
+        if name == "both":
+            off.write("3 0 1 2\n3 4 3 5\n")
 END
 "$program" smooth coarse.mesh --onto fine.stl -o stl.mesh --json fine.json >out 2>err
 ! grep -q "patches, and nodes stay in theirs\|joined\|left out" err || fail "$(cat err)"
-for file in twice.stl own.off; do
+for file in twice.stl own.off both.off; do
     expect_status 0 "$program" smooth coarse.mesh --onto $file -o joined.mesh --json report.json
     ! grep -q "patches, and nodes stay in theirs" err || fail "$(cat err)"
-    expect_text "$([ $file = own.off ] && echo "note: 5878 points" || echo "note: 2352 triangles") of $file are"
+    expect_text "$([ $file = twice.stl ] && echo "note: 2352 triangles" || echo "note: 5878 points") of $file are"
     expect_json 'r["surface"]["unused_pieces"] == 0 and r["surface"]["off"] == 0'
     expect_json 'abs(r["surface"]["distance"] - json.load(open("fine.json"))["surface"]["distance"]) < 1e-4'
 done

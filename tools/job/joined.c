@@ -95,7 +95,7 @@ static triangle triangle_of(const int32_t *node, int32_t number) {
     return t;
 }
 
-/** Leave out triangles that have a node twice, or are there before. triangles [cells.n]: room. is_out [cells.n]: 0 */
+/** Leave out triangles that have a node twice, or are there before. triangles and is_out [cells.n]: room. */
 static void leave_out(pl_joined *joined, triangle *triangles, uint8_t *is_out) {
     planish_cells *cells = &joined->cells;
     int64_t n_left = 0;
@@ -115,7 +115,7 @@ static void leave_out(pl_joined *joined, triangle *triangles, uint8_t *is_out) {
             joined->region[n_left] = joined->region[i];
         n_left++;
     }
-    joined->n_triangles = cells->n - n_left;
+    joined->n_triangles += cells->n - n_left;
     cells->n = n_left;
 }
 
@@ -149,6 +149,9 @@ static int prepare(const planish_mesh *mesh, const planish_surface *surface, roo
     joined->node = malloc(3 * n * sizeof *joined->node);
     joined->region = surface->region ? malloc(n * sizeof *joined->region) : NULL;
     joined->edges = malloc((n_ends + 1) * sizeof *joined->edges);
+    if (joined->node)
+        memcpy(joined->node, joined->cells.node, 3 * (n - 1) * sizeof *joined->node);
+    joined->cells.node = joined->node;
     if (joined->region)
         memcpy(joined->region, surface->region, (n - 1) * sizeof *joined->region);
     return r->edges && r->points && r->triangles && r->is_border && r->is_out && r->first &&
@@ -172,15 +175,15 @@ int pl_join_triangles(const planish_mesh *mesh, const planish_surface *surface, 
         return 1;
     const int have = prepare(mesh, surface, &r, joined);
     if (have) {
-        mark_borders(cells, r.edges, r.is_border);
+        leave_out(joined, r.triangles, r.is_out);
+        mark_borders(&joined->cells, r.edges, r.is_border);
         find_first(mesh, r.is_border, r.points, r.first);
         for (int64_t i = 0; i < mesh->n_nodes; i++)
             joined->n_points += r.first[i] != i;
-        for (int64_t i = 0; i < 3 * cells->n; i++)
-            joined->node[i] = r.first[cells->node[i]];
+        for (int64_t i = 0; i < 3 * joined->cells.n; i++)
+            joined->node[i] = r.first[joined->node[i]];
         for (int64_t i = 0; i < 2 * surface->n_edges; i++)
             joined->edges[i] = r.first[surface->edges[i]];
-        joined->cells.node = joined->node;
         leave_out(joined, r.triangles, r.is_out);
     }
     free_room(&r);

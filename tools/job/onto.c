@@ -252,7 +252,7 @@ static void note_loose(FILE *stream, const planish_shape_info *info, const char 
     pl_note(stream,
             "the %" PRId64 " triangles of %s are %" PRId64
             " patches, and nodes stay in theirs: join "
-            "its points, and remove triangles that are there twice",
+            "its points, and remove what is there twice",
             info->n_facets, file, info->n_patches);
 }
 
