@@ -130,7 +130,7 @@ for name, step in ("own", 0), ("both", 0), ("loose", 1e-7):
         off.writelines("%.9f %.9f %.9f\n" % tuple(float(x) + step * (i % 17) for x in p) for i, p in enumerate(lines))
         off.writelines("3 %d %d %d\n" % (i, i + 1, i + 2) for i in range(0, len(lines), 3))
         if name == "both":
-            off.write("3 0 1 2\n3 4 3 5\n")
+            off.write("3 0 1 2\n3 4 5 3\n")
 END
 "$program" smooth coarse.mesh --onto fine.stl -o stl.mesh --json fine.json >out 2>err
 ! grep -q "patches, and nodes stay in theirs\|joined\|left out" err || fail "$(cat err)"
@@ -244,6 +244,35 @@ END
 expect_status 0 "$program" smooth two.mesh --onto shell.off -o two-out.mesh --json report.json
 expect_json 'r["surface"]["on_corners"] == 16 and r["surface"]["off_before"] == 0'
 expect_json 'r["surface"]["unused_pieces"] == 1 and r["surface"]["distance"] < 0.001'
+
+# Two bodies that touch, with nodes of their own, go to two that share a wall, which is there from both sides.
+python3 - <<'END'
+ring = [(-0.7, -0.7), (0.7, -0.7), (0.7, 0.7), (-0.7, 0.7)]
+points = [(*p, z) for z in (-0.7, 0, 0.7) for p in ring]
+around = [(k, (k + 1) % 4, (k + 1) % 4 + 4, k + 4) for k in range(4)]
+quads = [(3, 2, 1, 0), *around, (4, 5, 6, 7), (7, 6, 5, 4), *(tuple(i + 4 for i in q) for q in around), (8, 9, 10, 11)]
+with open("wall.off", "w") as off:
+    off.write("OFF\n12 24 0\n")
+    off.writelines("%g %g %g\n" % p for p in points)
+    for a, b, c, d in quads:
+        off.write("3 %d %d %d\n3 %d %d %d\n" % ((b, c, d, b, d, a) if (a, b) == (7, 6) else (a, b, c, a, c, d)))
+lines = open("halves.mesh").read().split("\n")
+n, at = int(lines[2].split()[-1]), next(i for i, line in enumerate(lines) if line.startswith("Tetra"))
+nodes, elements, copy = lines[3:3 + n], [line.split() for line in lines[at + 1:-2]], {}
+for element in elements:
+    for k in range(4):
+        i = int(element[k])
+        if element[4] == "2" and abs(float(nodes[i - 1].split()[2])) < 1e-9:
+            element[k] = str(copy.setdefault(i, n + len(copy) + 1))
+with open("contact.mesh", "w") as mesh:
+    rows = nodes + [nodes[i - 1] for i in copy]
+    print("MeshVersionFormatted 2\nDimension 3\nVertices %d" % len(rows), *rows, sep="\n", file=mesh)
+    print("Tetrahedra", len(elements), file=mesh)
+    print(*(" ".join(e) for e in elements), "End", sep="\n", file=mesh)
+END
+expect_status 0 "$program" smooth contact.mesh --onto wall.off -o contact-out.mesh --json report.json
+expect_json 'r["surface"]["out_of_reach"] == 0 and r["surface"]["off"] == 0'
+! grep -q "left out" err || { fail "no side of a wall is left out"; cat err; }
 
 # What is hollow does not go to the outside.
 python3 make.py tets hollow 5 0.7 >hollow.mesh

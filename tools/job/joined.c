@@ -15,7 +15,7 @@ typedef struct point {
     int32_t node;
 } point;
 
-/** A triangle, by its nodes, ascending. */
+/** A triangle, by its nodes in their order, from the lowest one on. */
 typedef struct triangle {
     int32_t node[3], number;
 } triangle;
@@ -85,17 +85,14 @@ static void find_first(const planish_mesh *mesh, const uint8_t *is_border, point
 
 /** Return a triangle by its nodes. */
 static triangle triangle_of(const int32_t *node, int32_t number) {
-    triangle t = {.number = number};
-    for (int i = 0; i < 3; i++) {
-        int at = i;
-        for (; at > 0 && t.node[at - 1] > node[i]; at--)
-            t.node[at] = t.node[at - 1];
-        t.node[at] = node[i];
-    }
-    return t;
+    int lowest = 0;
+    for (int i = 1; i < 3; i++)
+        lowest = node[i] < node[lowest] ? i : lowest;
+    return (triangle){{node[lowest], node[(lowest + 1) % 3], node[(lowest + 2) % 3]}, number};
 }
 
-/** Leave out triangles that have a node twice, or are there before. triangles and is_out [cells.n]: room. */
+/** Leave out triangles that have a node twice, or are there before. Those between two bodies, which turn against each
+ *  other, stay. triangles and is_out [cells.n]: room. */
 static void leave_out(pl_joined *joined, triangle *triangles, uint8_t *is_out) {
     planish_cells *cells = &joined->cells;
     int64_t n_left = 0;
@@ -104,7 +101,7 @@ static void leave_out(pl_joined *joined, triangle *triangles, uint8_t *is_out) {
     qsort(triangles, (size_t)cells->n, sizeof *triangles, compare_triangles);
     for (int64_t i = 0; i < cells->n; i++) {
         const int32_t *v = triangles[i].node;
-        is_out[triangles[i].number] = v[0] == v[1] || v[1] == v[2] ||
+        is_out[triangles[i].number] = v[0] == v[1] || v[1] == v[2] || v[2] == v[0] ||
                                       (i > 0 && compare_numbers(triangles[i - 1].node, v, 3) == 0);
     }
     for (int64_t i = 0; i < cells->n; i++) {

@@ -18,8 +18,8 @@ typedef struct pl_joined {
     int64_t n_triangles; /* left out: they are there twice, or have no area */
 } pl_joined;
 
-/** Join triangles at borders: equal points there become one, and of triangles between the same points the first one is
- *  left. Closed surfaces that touch stay two. Other cells stay as they are. mesh has cells; surface: its regions and
+/** Join triangles at borders: equal points there become one, and of triangles between the same points that turn alike
+ *  the first one is left. Closed surfaces that touch stay two. Other cells stay as they are. mesh has cells; surface: its regions and
  *  edges. joined is to be freed in any case. Returns 0: there is no memory. */
 int pl_join_triangles(const planish_mesh *mesh, const planish_surface *surface, pl_joined *joined);
 
