@@ -810,7 +810,7 @@ typedef struct planish_fit_info {
     int64_t n_held;         /* nodes that the caller, or elements that are not smoothed, hold */
     int64_t n_off;          /* nodes that are not at their places yet */
     double farthest; /* largest distance of a node from its place, in units of the coordinates */
-    int64_t n_cut; /* corners of three curves or more that have no corner, though one is in reach */
+    int64_t n_cut; /* corners of three bends or more that have no corner, though one is in reach */
     int64_t
         n_unclear; /* of n_out_of_reach: several pieces of the surface would cover the same one, and are held */
     int64_t
@@ -824,7 +824,7 @@ typedef struct planish_fit_info {
  *  node from its place, in mean lengths of its edges; 0: 3. options (NULL: defaults): threads,
  *  precision, round. Nodes that mesh->constraint calls FIXED stay. info may be NULL.
  *  Errors: _ARGUMENT (elements of order 2, periodic pairs, a plane mesh), _MESH (a wrong node number or
- *  coordinate; no node is in reach), _MEMORY, _PARTS. */
+ *  coordinate; no node is in reach; one is more than 1e30 times as large), _MEMORY, _PARTS. */
 PLANISH_API int planish_fit_create(const planish_mesh *mesh, const planish_shape *shape,
                                    const planish_shape *onto, double reach,
                                    const planish_options *options, planish_fit **fit,

@@ -183,10 +183,7 @@ static int complain(const wanted *w, int64_t cell, planish_error *error) {
     return pl_fail_at(error, PLANISH_ERROR_MESH, cell, -1,
                       "element %" PRId64 " %s in mesh.reference; all elements must be valid there, "
                       "oriented as in the mesh",
-                      cell,
-                      !isfinite(D) ? "is too large, or not finite,"
-                      : D < 0      ? "is inverted"
-                                   : "is flat");
+                      cell, pl_target_flaw(w->dim, (const double(*)[3])edges, D));
 }
 
 /** Return the mesh at its reference, or without one at coordinates. */

@@ -14,10 +14,13 @@
 #include "topology/topology.h"
 
 #include <inttypes.h>
+#include <stdio.h>
 #include <string.h>
 
 /* A node looks for its place so many mean edges around. */
 static const double USUAL_REACH = 3;
+/* How much larger one surface may be than the other one. */
+static const double MOST_RATIO = 1e30;
 
 /* ---- create ---------------------------------------------------------------------------------- */
 
@@ -89,23 +92,43 @@ static void box_of(const planish_shape *shape, double box[2][3]) {
         }
 }
 
+enum { BOX_SIZE = 128 };
+
+/** Write the box of a shape. */
+static const char *say_box(const planish_shape *shape, char text[BOX_SIZE]) {
+    double box[2][3];
+    box_of(shape, box);
+    snprintf(text, BOX_SIZE, "(%.4g %.4g %.4g) to (%.4g %.4g %.4g)", box[0][0], box[0][1],
+             box[0][2], box[1][0], box[1][1], box[1][2]);
+    return text;
+}
+
 static int complain_of_reach(const planish_fit *fit, planish_error *error) {
-    double a[2][3], b[2][3];
-    box_of(fit->own, a);
-    box_of(fit->onto, b);
-    return pl_fail(
-        error, PLANISH_ERROR_MESH,
-        "no node of the mesh's surface is within %g edges of the other surface, which is "
-        "in (%.4g %.4g %.4g) to (%.4g %.4g %.4g), the mesh in (%.4g %.4g %.4g) to (%.4g "
-        "%.4g %.4g): give both the same unit and place",
-        fit->reach, b[0][0], b[0][1], b[0][2], b[1][0], b[1][1], b[1][2], a[0][0], a[0][1], a[0][2],
-        a[1][0], a[1][1], a[1][2]);
+    char own[BOX_SIZE], onto[BOX_SIZE];
+    return pl_fail(error, PLANISH_ERROR_MESH,
+                   "no node of the mesh's surface is within %g edges of the other surface, which "
+                   "is in %s, the mesh in %s: give both the same unit and place",
+                   fit->reach, say_box(fit->onto, onto), say_box(fit->own, own));
+}
+
+/** Refuse shapes that differ so much in size that one is a point beside the other. */
+static int check_sizes(const planish_fit *fit, planish_error *error) {
+    const double ratio = fit->own->scale / fit->onto->scale;
+    char own[BOX_SIZE], onto[BOX_SIZE];
+    if (ratio > 1 / MOST_RATIO && ratio < MOST_RATIO)
+        return PLANISH_OK;
+    return pl_fail(error, PLANISH_ERROR_MESH,
+                   "the other surface, in %s, and the mesh, in %s, differ in size by a factor of "
+                   "more than %g: give both the same unit",
+                   say_box(fit->onto, onto), say_box(fit->own, own), MOST_RATIO);
 }
 
 static int create(const planish_mesh *mesh, planish_fit *fit, planish_fit_info *info,
                   planish_error *error) {
     pl_dense dense = {0};
-    int status = mesh->cells ? pl_dense_create_cells(mesh, fit->threads, &dense, error)
+    int status = check_sizes(fit, error);
+    if (!status)
+        status = mesh->cells ? pl_dense_create_cells(mesh, fit->threads, &dense, error)
                              : pl_dense_create(mesh, fit->threads, &dense, error);
     if (!status)
         status = pl_fit_create(&dense.mesh, fit, error);

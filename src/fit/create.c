@@ -14,20 +14,19 @@ typedef struct cell_list {
     planish_cells cells;
     uint8_t *type;
     int64_t *offset;
-    int8_t *sign;
+    pl_cell_census census;
 } cell_list;
 
 /** List the mesh's elements. Errors: _MEMORY. */
 static int list_cells(const planish_mesh *mesh, cell_list *list, planish_error *error) {
     const int64_t n = mesh->n_elements;
-    *list = (cell_list){.sign = pl_alloc(n, sizeof *list->sign)};
     if (mesh->cells) {
         list->cells = *mesh->cells;
-        return list->sign ? PLANISH_OK : pl_fail_memory(error, "the elements of a fit");
+        return PLANISH_OK;
     }
     list->type = pl_alloc(n, sizeof *list->type);
     list->offset = pl_alloc(n + 1, sizeof *list->offset);
-    if (!list->sign || !list->type || !list->offset)
+    if (!list->type || !list->offset)
         return pl_fail_memory(error, "the elements of a fit");
     memset(list->type, PLANISH_CELL_TETRAHEDRON, (size_t)n);
     for (int64_t i = 0; i <= n; i++)
@@ -40,7 +39,7 @@ static int list_cells(const planish_mesh *mesh, cell_list *list, planish_error *
 static void free_list(cell_list *list) {
     pl_free(list->type);
     pl_free(list->offset);
-    pl_free(list->sign);
+    pl_cell_census_destroy(&list->census);
 }
 
 /** Return the number of a type's rule, which is made if there is none; -1: it is no solid of order 1, or
@@ -77,17 +76,35 @@ static int is_concerned(const planish_fit *fit, const int32_t *node, int64_t n) 
     return 0;
 }
 
-/** Hold the nodes of elements that no step can be judged by. */
-static void hold_odd(planish_fit *fit, const planish_cells *cells) {
+/** Hold nodes of the mesh's surface. */
+static void hold_nodes(planish_fit *fit, const int32_t *node, int64_t n) {
+    for (int64_t k = 0; k < n; k++)
+        if (node[k] >= 0 && fit->own->number[node[k]] >= 0)
+            fit->state[fit->own->number[node[k]]] = PL_FIT_HELD;
+}
+
+/** Hold the corners of the facets of an element that more than two elements have. */
+static void hold_shared(planish_fit *fit, const cell_list *list, int64_t element) {
+    enum { MANY = 3 };
+    for (int k = 0; k < PL_CELL_FACET_PLACES; k++) {
+        int32_t node[4];
+        if (list->census.n_sharing[element * PL_CELL_FACET_PLACES + k] >= MANY)
+            hold_nodes(fit, node, pl_cell_facet(&list->cells, element, k, node));
+    }
+}
+
+/** Hold the nodes of elements that no step can be judged by, or that are there twice. */
+static void hold_odd(planish_fit *fit, const cell_list *list) {
+    const planish_cells *cells = &list->cells;
     for (int64_t i = 0; i < cells->n; i++) {
         const int32_t *node = cells->node + cells->offset[i];
         const int64_t n = cells->offset[i + 1] - cells->offset[i];
         const pl_cell_type *type = pl_cell_type_of(cells->type[i]);
-        if (type && type->shape->dim == 3 && type->order == 1 && !has_twice(node, n))
-            continue;
-        for (int64_t k = 0; k < n; k++)
-            if (node[k] >= 0 && fit->own->number[node[k]] >= 0)
-                fit->state[fit->own->number[node[k]]] = PL_FIT_HELD;
+        if (!type || type->shape->dim != 3 || type->order != 1 || has_twice(node, n) ||
+            list->census.is_duplicate[i])
+            hold_nodes(fit, node, n);
+        else
+            hold_shared(fit, list, i);
     }
 }
 
@@ -107,7 +124,7 @@ static int take_elements(planish_fit *fit, const cell_list *list, planish_error 
         if (rule < 0)
             continue;
         pl_fit_element *e = &fit->element[fit->n_elements++];
-        *e = (pl_fit_element){.sign = list->sign[i], .type = (uint8_t)rule};
+        *e = (pl_fit_element){.sign = list->census.sign[i], .type = (uint8_t)rule};
         memcpy(e->node, node, (size_t)n_corners * sizeof *node);
     }
     return fit->element && fit->least && fit->n_elements == n
@@ -208,11 +225,11 @@ int pl_fit_create(const planish_mesh *mesh, planish_fit *fit, planish_error *err
                             "are fitted to another surface",
                             at);
     if (!status)
-        status = pl_orient_cells(&list.cells, 3, mesh->n_nodes, mesh->coordinates, fit->threads,
-                                 list.sign, error);
+        status = pl_cell_census_find(&list.cells, 3, mesh->n_nodes, mesh->coordinates, fit->threads,
+                                     &list.census, error);
     if (!status) {
         find_nodes(fit, mesh);
-        hold_odd(fit, &list.cells);
+        hold_odd(fit, &list);
         status = take_elements(fit, &list, error);
     }
     if (!status)

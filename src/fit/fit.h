@@ -6,6 +6,7 @@
  *
  *   create.h     pl_fit_create, _destroy      the nodes, and the elements around them
  *   pieces.h     pl_fit_find_pieces           what the outside of a shape consists of
+ *   hollows.h    pl_fit_turn_hollows          which of these lie in others
  *   partners.h   pl_fit_find_partners         which piece is for which
  *   sides.h      pl_fit_are_alike             features by what they bound
  *   places.h     pl_fit_find_places           the other shape's places of the nodes
@@ -50,6 +51,7 @@ typedef struct pl_fit_pieces {
     uint8_t *is_closed; /* [n] 1: it has a border nowhere */
     int8_t *outward; /* [n] -1: its facets turn into the room that it encloses, if it is closed */
     int8_t *turn;    /* [n] -1: they turn into the body, if it is closed */
+    int32_t *nest;   /* [n] the outermost of closed ones in one another; -1: it is by itself */
     double *area;    /* [n] */
     pl_box3 *box;    /* [n] */
 } pl_fit_pieces;
@@ -66,7 +68,7 @@ struct planish_fit {
     uint8_t *state;     /* [n_nodes] PL_FIT_.. */
     uint8_t *kind;      /* [n_nodes] PL_ON_PATCH, PL_ON_CURVE, PL_CORNER of the other shape */
     uint8_t *
-        is_cut; /* [n_nodes] 1: a corner of three curves or more, and none of those in reach is for it */
+        is_cut; /* [n_nodes] 1: a corner of three bends or more, and none of those in reach is for it */
     uint8_t *slides;        /* [n_nodes] 1: it moves along the other shape when it is there */
     uint8_t *is_there;      /* [n_nodes] 1: it has come to its place */
     pl_place *place;        /* [n_nodes] of a corner at is its node */

@@ -1,18 +1,14 @@
 /* pieces: what the outside of a shape consists of.
  *
- * A piece is closed if each of its edges is passed as often one way as the other. It has a body inside, unless it lies
- * in an odd number of other closed ones: then it is a hollow. */
+ * A piece is closed if each of its edges is passed as often one way as the other. It has a body inside, unless it is a
+ * hollow (hollows.h). */
 #include "fit/pieces.h"
 
 #include "base/joined.h"
 #include "base/memory.h"
-#include "base/parallel.h"
 #include "base/status.h"
 
 #include <string.h>
-
-/* A piece lies in another one if so many of its facets do, which are spread over it. */
-enum { SAMPLES = 3 };
 
 /** Facets of the outside at an edge. */
 typedef struct around {
@@ -131,98 +127,6 @@ static void measure_pieces(const planish_shape *s, pl_fit_pieces *pieces, double
     }
 }
 
-/** Return the solid angle of a facet around x: A. van Oosterom and J. Strackee, 1983. */
-static double angle_around(const planish_shape *s, int32_t f, const double x[3]) {
-    double v[3][3], length[3], across[3];
-    for (int k = 0; k < 3; k++) {
-        pl_from_to(3, x, s->x[s->facet[f][k]], v[k]);
-        length[k] = pl_length(v[k]);
-    }
-    pl_cross(v[1], v[2], across);
-    const double below = length[0] * length[1] * length[2] + pl_dot(3, v[0], v[1]) * length[2] +
-                         pl_dot(3, v[1], v[2]) * length[0] + pl_dot(3, v[2], v[0]) * length[1];
-    return 2 * atan2(pl_dot(3, v[0], across), below);
-}
-
-static int is_box_in(const pl_box3 *in, const pl_box3 *out) {
-    int is_in = 1;
-    for (int d = 0; d < 3; d++)
-        is_in &= in->lower[d] > out->lower[d] && in->upper[d] < out->upper[d];
-    return is_in;
-}
-
-/** Facets of the pieces: those of piece i are from offset[i] on. */
-typedef struct facet_list {
-    int64_t *offset;
-    int32_t *facet;
-} facet_list;
-
-static int list_facets(const planish_shape *s, const pl_fit_pieces *pieces, facet_list *list) {
-    list->offset = pl_alloc_zero(pieces->n + 2, sizeof *list->offset);
-    list->facet = pl_alloc(s->n_facets, sizeof *list->facet);
-    if (!list->offset || !list->facet)
-        return 0;
-    for (int64_t f = 0; f < s->n_facets; f++)
-        if (pieces->of[f] >= 0)
-            list->offset[pieces->of[f] + 2]++;
-    for (int64_t i = 2; i < pieces->n + 2; i++)
-        list->offset[i] += list->offset[i - 1];
-    for (int64_t f = 0; f < s->n_facets; f++)
-        if (pieces->of[f] >= 0)
-            list->facet[list->offset[pieces->of[f] + 1]++] = (int32_t)f;
-    return 1;
-}
-
-/** Whether a piece lies in another one: the middles of facets that are spread over it do. */
-static int is_in(const planish_shape *s, const facet_list *list, int32_t piece, int32_t other) {
-    const double full = 4 * 3.14159265358979323846;
-    const int64_t begin = list->offset[piece], n = list->offset[piece + 1] - begin;
-    for (int i = 0; i < SAMPLES; i++) {
-        const int32_t *v = s->facet[list->facet[begin + n * i / SAMPLES]];
-        double middle[3], sum = 0;
-        for (int d = 0; d < 3; d++)
-            middle[d] = (s->x[v[0]][d] + s->x[v[1]][d] + s->x[v[2]][d]) / 3;
-        for (int64_t k = list->offset[other]; k < list->offset[other + 1]; k++)
-            sum += angle_around(s, list->facet[k], middle);
-        if (fabs(sum) < full / 2)
-            return 0;
-    }
-    return 1;
-}
-
-/** A search for hollows. */
-typedef struct hollows {
-    const planish_shape *shape;
-    pl_fit_pieces *pieces;
-    facet_list list;
-} hollows;
-
-/** Turn the pieces of a stretch that are in an odd number of others. */
-static void turn_hollows(void *context, int64_t begin, int64_t end, int thread) {
-    const hollows *h = context;
-    pl_fit_pieces *pieces = h->pieces;
-    (void)thread;
-    for (int32_t i = (int32_t)begin; i < end; i++) {
-        int n_around = 0;
-        for (int32_t j = 0; j < pieces->n && pieces->is_closed[i]; j++)
-            n_around += pieces->is_closed[j] && is_box_in(&pieces->box[i], &pieces->box[j]) &&
-                        is_in(h->shape, &h->list, i, j);
-        if (n_around % 2)
-            pieces->turn[i] = (int8_t)-pieces->turn[i];
-    }
-}
-
-int pl_fit_turn_hollows(const planish_shape *shape, int threads, pl_fit_pieces *pieces,
-                        planish_error *error) {
-    hollows h = {.shape = shape, .pieces = pieces};
-    const int have = list_facets(shape, pieces, &h.list);
-    if (have)
-        pl_parallel_for(threads, pieces->n, 1, turn_hollows, &h);
-    pl_free(h.list.offset);
-    pl_free(h.list.facet);
-    return have ? PLANISH_OK : pl_fail_memory(error, "the pieces of a surface");
-}
-
 int pl_fit_find_pieces(const planish_shape *s, pl_fit_pieces *pieces, planish_error *error) {
     int32_t *parent = pl_alloc(s->n_facets, sizeof *parent);
     double *volume = NULL;
@@ -256,6 +160,7 @@ void pl_fit_free_pieces(pl_fit_pieces *pieces) {
     pl_free(pieces->is_closed);
     pl_free(pieces->outward);
     pl_free(pieces->turn);
+    pl_free(pieces->nest);
     pl_free(pieces->area);
     pl_free(pieces->box);
     *pieces = (pl_fit_pieces){.n = 0};

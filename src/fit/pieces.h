@@ -8,10 +8,6 @@
  *  are to turn so that a body is inside. pieces is to be freed in any case. Errors: _MEMORY. */
 int pl_fit_find_pieces(const planish_shape *shape, pl_fit_pieces *pieces, planish_error *error);
 
-/** Turn the closed pieces that are hollows in others. Errors: _MEMORY. */
-int pl_fit_turn_hollows(const planish_shape *shape, int threads, pl_fit_pieces *pieces,
-                        planish_error *error);
-
 void pl_fit_free_pieces(pl_fit_pieces *pieces);
 
 #endif

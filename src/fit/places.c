@@ -5,14 +5,16 @@
  * with such sides, a corner at a corner of such facets; where the other shape has none in reach they belong on a patch, too, and stay
  * there: what they bound is not to be lost.
  *
- * The facets of a file may turn any way. Closed pieces of the other shape have bodies or hollows inside, so all turn
- * into the mesh or none, and other pieces each by itself: as nodes near them then have the shorter ways. */
+ * The facets of a file may turn any way. Closed pieces of the other shape that are in one another have bodies and hollows
+ * inside by turns, so all turn into the mesh or none; so do those by themselves, and other pieces each by itself: as
+ * nodes near them then have the shorter ways. */
 #include "fit/places.h"
 
 #include "base/joined.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
+#include "fit/hollows.h"
 #include "fit/partners.h"
 #include "fit/pieces.h"
 #include "fit/sides.h"
@@ -36,7 +38,7 @@ enum { CHUNK = 64, TRIALS = 32 };
 /* A corner is for nodes within so many of their mean edges, and so many times as far as curves along their own. */
 #define CORNER_EDGES  0.25
 #define CORNER_CURVES 2
-/* If ways are shorter by this factor that decides which way an open piece turns, by itself. */
+/* If ways are shorter by this factor that decides which way a group turns, by itself. */
 #define CLEAR 3
 /* Ways that decide it are sought so many times as far as places. */
 #define WIDER 3
@@ -59,10 +61,12 @@ typedef struct search {
     const pl_fit_sides *sides; /* of these edges; or of a corner */
 } search;
 
-/** All closed pieces are group 0; others are groups by themselves. */
+/** Return the group of a facet of the outside, of pieces that turn together. Closed pieces by themselves are group 0;
+ *  those in one another are a group, and others are groups by themselves. */
 static int32_t group_of(const planish_fit *fit, int32_t facet) {
-    const int32_t piece = fit->pieces.of[facet];
-    return fit->pieces.is_closed[piece] ? 0 : piece + 1;
+    const pl_fit_pieces *pieces = &fit->pieces;
+    const int32_t piece = pieces->of[facet];
+    return (pieces->is_closed[piece] ? pieces->nest[piece] : piece) + 1;
 }
 
 /** Return which way a facet of the outside turns in a search. */
@@ -315,24 +319,24 @@ static void look_for_turns(void *context, int64_t begin, int64_t end, int thread
 static void find_turns(const finding *g, double (*sum)[2]) {
     planish_fit *fit = g->fit;
     const pl_fit_pieces *pieces = &fit->pieces;
-    double all[2] = {0, 0}; /* of open pieces */
+    double all[2][2] = {{0}}; /* of open pieces, and of closed ones */
     for (int32_t i = 0; i < fit->n_nodes; i++) {
-        const int32_t group = g->near[i] < 0 ? -1 : group_of(fit, g->near[i]);
+        const int32_t near = g->near[i];
         const double edge = fit->own->edge_length[i] / fit->to_own;
-        for (int k = 0; k < 2 && group >= 0; k++) {
-            sum[group][k] += edge * edge * g->ways[i][k];
-            all[k] += group > 0 ? edge * edge * g->ways[i][k] : 0;
+        for (int k = 0; k < 2 && near >= 0; k++) {
+            sum[group_of(fit, near)][k] += edge * edge * g->ways[i][k];
+            all[pieces->is_closed[pieces->of[near]]][k] += edge * edge * g->ways[i][k];
         }
     }
-    for (int64_t f = 0; f < fit->onto->n_facets; f++) {
-        if (pieces->of[f] < 0)
+    for (int32_t f = 0; f < fit->onto->n_facets; f++) {
+        const int32_t piece = pieces->of[f];
+        if (piece < 0)
             continue;
-        const int32_t group = group_of(fit, (int32_t)f);
-        const double *of = sum[group];
+        const int32_t group = group_of(fit, f);
+        const double *of = sum[group], *other = all[pieces->is_closed[piece]];
         const int is_clear = group == 0 || fmax(of[0], of[1]) > CLEAR * fmin(of[0], of[1]);
-        const int is_against = is_clear ? of[1] < of[0] : all[1] < all[0];
-        fit->turn[fit->onto->patch[f]] =
-            (int8_t)(pieces->turn[pieces->of[f]] * (is_against ? -1 : 1));
+        const int is_against = is_clear ? of[1] < of[0] : other[1] < other[0];
+        fit->turn[fit->onto->patch[f]] = (int8_t)(pieces->turn[piece] * (is_against ? -1 : 1));
     }
 }
 
@@ -357,6 +361,17 @@ static double off_curves(const finding *g, int32_t node) {
     return most < 0 ? INFINITY : most;
 }
 
+/** Count the features at a node where the outside bends or ends: not those where regions meet on a plane side. */
+static int count_bends(const finding *g, int32_t node) {
+    int n = 0;
+    for (int64_t i = g->features.offset[node]; i < g->features.offset[node + 1]; i++) {
+        pl_fit_sides sides;
+        pl_fit_look_at_edge(g->fit->own, NULL, g->features.edge[i], &sides);
+        n += sides.n > 1 || sides.is_open;
+    }
+    return n;
+}
+
 /** Return the corner that a corner of the mesh's surface would go to; -1: there is none. Where a coarse curve turns
  *  it has one of its own, which is on the other curve and far from its corners. */
 static int32_t find_corner(const finding *g, int32_t node, double *square) {
@@ -369,7 +384,7 @@ static int32_t find_corner(const finding *g, int32_t node, double *square) {
     *square = reach_of_features(g, node, x);
     if (nearest(&fit->corners, x, square_of_corner, &any, square) < 0)
         return -1;
-    fit->is_cut[node] = g->features.offset[node + 1] - g->features.offset[node] > 2;
+    fit->is_cut[node] = count_bends(g, node) > 2;
     *square = reach_of_features(g, node, x);
     pl_fit_look_at_node(fit->own, NULL, node, &sides);
     const int32_t at = nearest(&fit->corners, x, square_of_corner, &alike, square);
@@ -548,7 +563,7 @@ int pl_fit_find_places(planish_fit *fit, const pl_points *points, planish_error 
     if (!status)
         status = pl_fit_find_pieces(onto, &fit->pieces, error);
     if (!status)
-        status = pl_fit_turn_hollows(onto, fit->threads, &fit->pieces, error);
+        status = pl_fit_turn_hollows(onto, &fit->facets, fit->threads, &fit->pieces, error);
     if (!status && !(sum = pl_alloc_zero(fit->pieces.n + 1, sizeof *sum)))
         status = pl_fail_memory(error, "the places of a fit");
     if (!status) {

@@ -3,14 +3,19 @@
 
 #include <float.h>
 
-/** Copy edges, brought to a size of about 1 if they are far from that: returns the exponent of the power
- *  of two by which they were larger. */
-static int scale_edges(int dim, const double edges[3][3], double scaled[3][3]) {
+static double extent_of(int dim, const double edges[3][3]) {
     double extent = 0;
-    int exponent = 0;
     for (int j = 0; j < dim; j++)
         for (int d = 0; d < dim; d++)
             extent = fmax(extent, fabs(edges[j][d]));
+    return extent;
+}
+
+/** Copy edges, brought to a size of about 1 if they are far from that: returns the exponent of the power
+ *  of two by which they were larger. */
+static int scale_edges(int dim, const double edges[3][3], double scaled[3][3]) {
+    const double extent = extent_of(dim, edges);
+    int exponent = 0;
     if (!(extent > 0x1p-60 && extent < 0x1p60)) {
         frexp(extent, &exponent);
         exponent = pl_scale_exponent(exponent);
@@ -70,6 +75,15 @@ int pl_target_make(int dim, const double edges[3][3], double sign, pl_target *ta
         sum += target->v[k];
     }
     return isfinite(sum);
+}
+
+const char *pl_target_flaw(int dim, const double edges[3][3], double determinant) {
+    const double extent = extent_of(dim, edges);
+    return !isfinite(determinant) || extent > pow(DBL_MAX, 1. / dim)
+               ? "is too large, or not finite,"
+           : extent > 0 && extent < pow(DBL_MIN, 1. / dim) ? "is too small"
+           : determinant < 0                               ? "is inverted"
+                                                           : "is flat";
 }
 
 void pl_target_weights(int dim, const pl_target *target, double weight[6]) {

@@ -14,6 +14,7 @@
  * metric (geometry/metric.h) E = |L A V|^2.
  *
  *   pl_target, pl_target_make       of the corner that is wanted
+ *   pl_target_flaw                  why there is none
  *   pl_target_entry, _slopes        V, and V by nodes
  *   pl_target_energy, _energy_in    E, and E in a metric
  *   pl_target_square                what counts
@@ -36,6 +37,10 @@ typedef struct pl_target {
 /** Make the target of a corner whose edges are edges [dim][dim], sign times as oriented. Return 0 if its
  *  measure is not positive, or too small or large for a double. */
 int pl_target_make(int dim, const double edges[3][3], double sign, pl_target *target);
+
+/** Return what is wrong, as "is flat", with an element whose corner with edges [dim][dim] and that determinant has no
+ *  target. */
+const char *pl_target_flaw(int dim, const double edges[3][3], double determinant);
 
 /** Entry of V, row <= column. */
 PL_INLINE double pl_target_entry(int dim, const double v[6], int row, int column) {

@@ -108,10 +108,7 @@ static int complain(const target_pass *p, planish_error *error) {
     return pl_fail_at(error, PLANISH_ERROR_MESH, element, -1,
                       "element %" PRId64 " %s in mesh.reference; all smoothed elements must be "
                       "valid there, oriented as in the mesh",
-                      element,
-                      !isfinite(D) ? "is too large, or not finite,"
-                      : D < 0      ? "is inverted"
-                                   : "is flat");
+                      element, pl_target_flaw(p->plan->dim, (const double(*)[3])edges, D));
 }
 
 int pl_targets_make(planish_plan *plan, pl_points reference, const int8_t *sign,

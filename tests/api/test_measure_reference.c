@@ -265,6 +265,12 @@ static void elements_without_a_shape_are_refused(void **state) {
         for (int64_t i = 0; i < size; i++)
             reference[i] = i % dim == 0 ? -box->x[i] : box->x[i];
         expect_refused(&mesh, 0, "element 0 is inverted in mesh.reference");
+        for (int is_small = 0; is_small < 2; is_small++) {
+            for (int64_t i = 0; i < size; i++)
+                reference[i] = box->x[i] * (is_small ? 1e-200 : 1e200);
+            expect_refused(&mesh, 0,
+                           is_small ? "element 0 is too small" : "element 0 is too large");
+        }
         memcpy(reference, box->x, (size_t)size * sizeof *reference);
         reference[(int64_t)node[0] * dim] = NAN;
         int64_t lowest = some;

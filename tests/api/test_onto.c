@@ -776,6 +776,16 @@ static void test_refusals(void **state) {
     assert_int_equal(error.code, PLANISH_ERROR_MESH);
     assert_non_null(strstr(error.text, "no node of the mesh's surface is within 3 edges"));
     assert_non_null(strstr(error.text, "(-1000 -1000 -1000) to (1000 1000 1000)"));
+    for (int is_small = 0; is_small < 2; is_small++) {
+        const double unit = is_small ? 0x1p-900 : 0x1p900, none[3] = {0, 0, 0};
+        block_target other;
+        block_target_create(BLOCK_BALL, 8, 1, 0, &other);
+        block_target_place(&other, (const double[3]){unit, unit, unit}, none);
+        error = refusal(&b, &b.mesh, other.shape, 0);
+        assert_int_equal(error.code, PLANISH_ERROR_MESH);
+        assert_non_null(strstr(error.text, "differ in size"));
+        block_target_destroy(&other);
+    }
     error = refusal(&b, &b.mesh, ball.shape, -1);
     assert_int_equal(error.code, PLANISH_ERROR_ARGUMENT);
     const int32_t pairs[] = {0, 2};

@@ -262,6 +262,11 @@ refused 2 "element 1 of Tetrahedra.mesh is of another type than element 1 of Pri
 refused 2 "--like inverted.mesh: element 517 is inverted" tets-moved.mesh --like inverted.mesh
 refused 2 "--like flat.mesh: element 1 is flat" tets-moved.mesh --like flat.mesh
 refused 2 "--like mirrored.mesh: element 1 is oriented otherwise" tets-moved.mesh --like mirrored.mesh
+for exponent in 150 -150; do
+    awk -v e=e$exponent '/^Tetra/ { done = 1 } NF == 4 && !done { print $1 e, $2 e, $3 e, $4; next } { print }' tets.mesh >sized.mesh
+    refused 2 "--like sized.mesh: element 1 is too $([ $exponent = 150 ] && echo large || echo small)" tets-moved.mesh \
+        --like sized.mesh
+done
 refused 2 "--like: none.mesh: cannot be opened" tets-moved.mesh --like none.mesh
 refused 64 "--like '' must be the name of a file" tets-moved.mesh --like ""
 for objective in worst edge-ratio radius-ratio; do

@@ -120,12 +120,29 @@ for file in fine.stl fine-surface.mesh; do
     expect_status 0 "$program" smooth coarse.mesh --onto $file -o stl.mesh --json report.json -q
     expect_json 'r["surface"]["off_before"] == 152 and r["surface"]["off"] == 0 and r["surface"]["distance_in_edges"] < 0.2'
 done
-# All triangles twice, which join nothing.
+# All triangles twice, or with points of their own, join as they do in fine.stl; points that differ do not.
 { sed '/^endsolid/d' fine.stl; sed '1d' fine.stl; } >twice.stl
-"$program" smooth coarse.mesh --onto fine.stl -o stl.mesh >out 2>err
-! grep -q "patches, and nodes stay in theirs" err || fail "$(cat err)"
-"$program" smooth coarse.mesh --onto twice.stl -o stl.mesh >out 2>err
-expect_text "note: the 4704 triangles of twice.stl are 4704 patches, and nodes stay in theirs: join its points"
+python3 - <<'END'
+lines = [line.split()[1:] for line in open("fine.stl") if line.startswith("vertex")]
+for name, step in ("own", 0), ("both", 0), ("loose", 1e-7):
+    with open(name + ".off", "w") as off:
+        off.write("OFF\n%d %d 0\n" % (len(lines), len(lines) // 3 + 2 * (name == "both")))
+        off.writelines("%.9f %.9f %.9f\n" % tuple(float(x) + step * (i % 17) for x in p) for i, p in enumerate(lines))
+        off.writelines("3 %d %d %d\n" % (i, i + 1, i + 2) for i in range(0, len(lines), 3))
+        if name == "both":
+            off.write("3 0 1 2\n3 4 5 3\n")
+END
+"$program" smooth coarse.mesh --onto fine.stl -o stl.mesh --json fine.json >out 2>err
+! grep -q "patches, and nodes stay in theirs\|joined\|left out" err || fail "$(cat err)"
+for file in twice.stl own.off both.off; do
+    expect_status 0 "$program" smooth coarse.mesh --onto $file -o joined.mesh --json report.json
+    ! grep -q "patches, and nodes stay in theirs" err || fail "$(cat err)"
+    expect_text "$([ $file = twice.stl ] && echo "note: 2352 triangles" || echo "note: 5878 points") of $file are"
+    expect_json 'r["surface"]["unused_pieces"] == 0 and r["surface"]["off"] == 0'
+    expect_json 'abs(r["surface"]["distance"] - json.load(open("fine.json"))["surface"]["distance"]) < 1e-4'
+done
+"$program" smooth coarse.mesh --onto loose.off -o stl.mesh >out 2>err
+expect_text "note: the 2352 triangles of loose.off are 2352 patches, and nodes stay in theirs: join its points"
 sed 's/^vertex/vertex nan/;t;' fine.stl >nan.stl
 printf 'solid none\nendsolid none\n' >empty.stl
 for file in nan.stl empty.stl; do
@@ -166,6 +183,11 @@ END
 expect_status 0 "$program" smooth cube.mesh --onto higher.off -o higher.mesh --json report.json
 expect_json 'r["surface"]["on_corners"] == 8 and r["surface"]["cut_corners"] == 0'
 expect_json 'r["surface"]["distance"] < 0.001 and r["surface"]["distance_back"] < 0.001'
+# Where two materials meet on its sides nothing is cut off.
+awk '/^Tetra/ { on = 1; print; next } /^End/ { on = 0 } on { $5 = n++ % 24 < 12 ? 1 : 2 } { print }' cube.mesh >halves.mesh
+"$program" smooth halves.mesh --onto higher.off -o halves-out.mesh --json report.json >out 2>err
+! grep -q "cut off" err || { fail "materials that meet are no corners"; cat err; }
+expect_json 'r["surface"]["on_corners"] == 8 and r["surface"]["cut_corners"] == 0'
 "$program" smooth cube.mesh --onto roof.off -o under-roof.mesh --json report.json >out 2>err
 tr '\n' ' ' <err >text
 grep -q "2 corners of the surface are not at a corner of roof.off" text || { fail "cut corners are said"; cat err; }
@@ -186,6 +208,11 @@ expect_text "are not on half.mesh yet"
 expect_json 'r["certified"] and 0 < r["surface"]["off"] <= 152 and r["surface"]["farthest"] > 0.1'
 expect_json 'r["surface"]["distance"] >= r["surface"]["farthest"] * 0.99'
 
+# An element that is there twice is held; no node inside is one of the surface without a place.
+awk '/^Tetra/ { print $1, $2 + 1; getline; print } { print }' coarse.mesh >again.mesh
+expect_status 0 "$program" smooth again.mesh --onto fine.mesh -o again-out.mesh --json report.json
+expect_json 'r["surface"]["held"] == 4 and r["surface"]["out_of_reach"] == 0 and r["surface"]["off"] == 0'
+
 # Two plates go to two plates that are higher by more than the gap; not both to one.
 python3 make.py tets two 5 0.7 >two.mesh
 python3 make.py tets two 5 0.7 0.35 >two-higher.mesh
@@ -201,6 +228,51 @@ expect_status 0 "$program" smooth one.mesh --onto two-higher.mesh -o one-out.mes
 tr '\n' ' ' <err >text
 grep -q "1 piece of two-higher.mesh has no node of the mesh" text || { fail "pieces without nodes are said"; cat err; }
 expect_json 'r["surface"]["unused_pieces"] == 1 and r["surface"]["off"] == 0'
+
+# A shell around one of two plates is for none of them.
+python3 - <<'END'
+sides = [(0, 1, 5), (0, 5, 4), (1, 2, 6), (1, 6, 5), (2, 3, 7), (2, 7, 6), (3, 0, 4), (3, 4, 7), (0, 2, 1), (0, 3, 2),
+         (4, 5, 6), (4, 6, 7)]
+boxes = [(0.7, -0.7, -0.14), (0.7, 0.14, 0.7), (0.8, -0.8, -0.04)]
+with open("shell.off", "w") as off:
+    off.write("OFF\n24 36 0\n")
+    for a, low, high in boxes:
+        off.writelines("%g %g %g\n" % (x, y, z) for z in (low, high) for x, y in ((-a, -a), (a, -a), (a, a), (-a, a)))
+    for box in range(3):
+        off.writelines("3 %d %d %d\n" % tuple(8 * box + v for v in t) for t in sides)
+END
+expect_status 0 "$program" smooth two.mesh --onto shell.off -o two-out.mesh --json report.json
+expect_json 'r["surface"]["on_corners"] == 16 and r["surface"]["off_before"] == 0'
+expect_json 'r["surface"]["unused_pieces"] == 1 and r["surface"]["distance"] < 0.001'
+
+# Two bodies that touch, with nodes of their own, go to two that share a wall, which is there from both sides.
+python3 - <<'END'
+ring = [(-0.7, -0.7), (0.7, -0.7), (0.7, 0.7), (-0.7, 0.7)]
+points = [(*p, z) for z in (-0.7, 0, 0.7) for p in ring]
+around = [(k, (k + 1) % 4, (k + 1) % 4 + 4, k + 4) for k in range(4)]
+quads = [(3, 2, 1, 0), *around, (4, 5, 6, 7), (7, 6, 5, 4), *(tuple(i + 4 for i in q) for q in around), (8, 9, 10, 11)]
+with open("wall.off", "w") as off:
+    off.write("OFF\n12 24 0\n")
+    off.writelines("%g %g %g\n" % p for p in points)
+    for a, b, c, d in quads:
+        off.write("3 %d %d %d\n3 %d %d %d\n" % ((b, c, d, b, d, a) if (a, b) == (7, 6) else (a, b, c, a, c, d)))
+lines = open("halves.mesh").read().split("\n")
+n, at = int(lines[2].split()[-1]), next(i for i, line in enumerate(lines) if line.startswith("Tetra"))
+nodes, elements, copy = lines[3:3 + n], [line.split() for line in lines[at + 1:-2]], {}
+for element in elements:
+    for k in range(4):
+        i = int(element[k])
+        if element[4] == "2" and abs(float(nodes[i - 1].split()[2])) < 1e-9:
+            element[k] = str(copy.setdefault(i, n + len(copy) + 1))
+with open("contact.mesh", "w") as mesh:
+    rows = nodes + [nodes[i - 1] for i in copy]
+    print("MeshVersionFormatted 2\nDimension 3\nVertices %d" % len(rows), *rows, sep="\n", file=mesh)
+    print("Tetrahedra", len(elements), file=mesh)
+    print(*(" ".join(e) for e in elements), "End", sep="\n", file=mesh)
+END
+expect_status 0 "$program" smooth contact.mesh --onto wall.off -o contact-out.mesh --json report.json
+expect_json 'r["surface"]["out_of_reach"] == 0 and r["surface"]["off"] == 0'
+! grep -q "left out" err || { fail "no side of a wall is left out"; cat err; }
 
 # What is hollow does not go to the outside.
 python3 make.py tets hollow 5 0.7 >hollow.mesh

@@ -6,7 +6,9 @@
 #include "job/sizes.h"
 #include "terminal/message.h"
 
+#include <float.h>
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -29,17 +31,34 @@ static int complain(const char *path, const planish_error *error) {
 
 /* ---- whether it fits ------------------------------------------------------------------------- */
 
+/** Return the longest way along an axis between nodes of an element of the file. */
+static double extent_of(const fitting *f, int64_t element) {
+    const int32_t *node = f->cells.node + f->cells.offset[element];
+    const int64_t n = f->cells.offset[element + 1] - f->cells.offset[element];
+    const int dim = f->other.dim;
+    double extent = 0;
+    for (int64_t i = 0; i < n * dim; i++) {
+        const double *x = f->other.coordinates + i % dim;
+        extent = fmax(extent, fabs(x[(int64_t)node[i / dim] * dim] - x[(int64_t)node[0] * dim]));
+    }
+    return extent;
+}
+
 /** Say why an element of the file is no target: by itself, or beside the input. */
 static const char *flaw_of(const fitting *f, int64_t element) {
     planish_cell_quality ignored;
     planish_error error;
+    const double extent = extent_of(f, element);
     double *jacobian = malloc((size_t)f->other.n_elements * sizeof *jacobian);
     const planish_cell_values values = {.scaled_jacobian = jacobian};
     const char *flaw = "is not valid there";
     if (jacobian && !planish_measure_cells(&f->other, 0, f->threads, &ignored, &values, &error))
-        flaw = jacobian[element] < 0   ? "is inverted"
-               : jacobian[element] > 0 ? "is oriented otherwise than in the input"
-                                       : "is flat";
+        flaw = jacobian[element] < 0                      ? "is inverted"
+               : !(jacobian[element] > 0)                 ? "is flat"
+               : extent > pow(DBL_MAX, 1. / f->other.dim) ? "is too large"
+               : extent < pow(DBL_MIN, 1. / f->other.dim)
+                   ? "is too small"
+                   : "is oriented otherwise than in the input";
     free(jacobian);
     return flaw;
 }

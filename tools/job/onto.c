@@ -1,6 +1,7 @@
 /* onto: the surface of the mesh is fitted to that of another file. */
 #include "job/onto.h"
 
+#include "job/joined.h"
 #include "terminal/message.h"
 #include "terminal/signals.h"
 
@@ -20,9 +21,8 @@ static int complain(const pl_job *job, const planish_error *error) {
     return pl_complain(PL_EXIT_FAILED, "--onto %s: %s", job->arguments->onto, error->text);
 }
 
-/** Make the shape of a mesh with the tags that its file gives facets and edges; info may be NULL. */
-static int make_shape(const pl_job *job, const planish_file *file, const planish_mesh *mesh,
-                      planish_shape **shape, planish_shape_info *info, planish_error *error) {
+/** Return the tags that a file gives facets and edges. */
+static planish_surface surface_of(const pl_job *job, const planish_file *file) {
     planish_hold hold = {.slide = 1};
     if (file == job->file) {
         hold = pl_job_hold(job);
@@ -32,30 +32,55 @@ static int make_shape(const pl_job *job, const planish_file *file, const planish
     if (planish_file_mesh(file).dim == 3)
         surface = planish_file_surface(file, &hold);
     surface.crease_angle = job->arguments->crease_angle;
-    return planish_shape_create(mesh, &surface, job->options.threads, shape, info, error);
+    return surface;
 }
 
-/** Make the shape of a flat mesh, which is in space in its file, and find its box there. */
-static int make_flat(pl_job *job, planish_file *file, pl_box *box, planish_error *error) {
-    planish_mesh mesh = planish_file_mesh(file);
-    planish_cells cells;
-    double *places = malloc(((size_t)mesh.n_nodes * 3 + 1) * sizeof *places);
-    if (!places)
-        return pl_job_complain_memory(job, "the other surface");
-    int code = planish_file_cells(file, &cells, error);
-    if (!code)
-        code =
-            planish_file_space_coordinates(file, 0, mesh.n_nodes, mesh.coordinates, places, error);
-    mesh = (planish_mesh){.dim = 3,
-                          .n_nodes = mesh.n_nodes,
-                          .n_elements = cells.n,
-                          .cells = &cells,
-                          .coordinates = places};
-    if (!code) {
-        pl_box_widen(box, 3, places, mesh.n_nodes);
-        code = make_shape(job, file, &mesh, &job->onto.shape, &job->onto.info, error);
+/** Make the shape of the other surface. */
+static int make_other(pl_job *job, const planish_mesh *mesh, const planish_surface *surface,
+                      planish_error *error) {
+    planish_shape_destroy(job->onto.shape);
+    job->onto.shape = NULL;
+    return planish_shape_create(mesh, surface, job->options.threads, &job->onto.shape,
+                                &job->onto.info, error)
+               ? complain(job, error)
+               : 0;
+}
+
+/** Make the shape of the other surface again if its triangles are to be joined. */
+static int join_other(pl_job *job, planish_mesh mesh, planish_surface surface,
+                      planish_error *error) {
+    pl_onto *onto = &job->onto;
+    pl_joined joined;
+    int status = 0;
+    if (!mesh.cells || (onto->info.n_open_edges == 0 && onto->info.n_nonmanifold_edges == 0))
+        return 0;
+    if (!pl_join_triangles(&mesh, &surface, &joined)) {
+        status = pl_job_complain_memory(job, "the other surface");
+    } else if (joined.cells.n > 0 && (joined.n_points > 0 || joined.n_triangles > 0)) {
+        onto->n_joined = joined.n_points;
+        onto->n_left_out = joined.n_triangles;
+        mesh.cells = &joined.cells;
+        mesh.n_elements = joined.cells.n;
+        surface.region = joined.region;
+        surface.edges = joined.edges;
+        status = make_other(job, &mesh, &surface, error);
     }
-    free(places);
+    pl_joined_free(&joined);
+    return status;
+}
+
+/** Take the elements of a flat mesh, and its coordinates in space. */
+static int take_flat(pl_job *job, planish_file *file, planish_mesh *mesh, planish_cells *cells,
+                     double *places, planish_error *error) {
+    int code = planish_file_cells(file, cells, error);
+    if (!code)
+        code = planish_file_space_coordinates(file, 0, mesh->n_nodes, mesh->coordinates, places,
+                                              error);
+    *mesh = (planish_mesh){.dim = 3,
+                           .n_nodes = mesh->n_nodes,
+                           .n_elements = cells->n,
+                           .cells = cells,
+                           .coordinates = places};
     return code ? complain(job, error) : 0;
 }
 
@@ -66,16 +91,20 @@ static int read_other(pl_job *job, pl_box *box) {
     planish_error error;
     if (planish_file_open_with(job->arguments->onto, &how, &file, &error))
         return pl_complain(PL_EXIT_FAILED, "--onto: %s", error.text);
-    const planish_mesh mesh = planish_file_mesh(file);
-    int status;
-    if (mesh.dim == 2)
-        status = make_flat(job, file, box, &error);
-    else
-        status = make_shape(job, file, &mesh, &job->onto.shape, &job->onto.info, &error)
-                     ? complain(job, &error)
-                     : 0;
-    if (mesh.dim == 3)
+    const planish_surface surface = surface_of(job, file);
+    planish_mesh mesh = planish_file_mesh(file);
+    planish_cells cells;
+    double *places = malloc(((size_t)mesh.n_nodes * 3 + 1) * sizeof *places);
+    int status = places ? 0 : pl_job_complain_memory(job, "the other surface");
+    if (!status && mesh.dim == 2)
+        status = take_flat(job, file, &mesh, &cells, places, &error);
+    if (!status)
+        status = make_other(job, &mesh, &surface, &error);
+    if (!status)
+        status = join_other(job, mesh, surface, &error);
+    if (!status)
         pl_box_widen(box, 3, mesh.coordinates, mesh.n_nodes);
+    free(places);
     planish_file_close(file);
     return status;
 }
@@ -175,7 +204,8 @@ int pl_onto_fit(pl_job *job) {
     pl_signals_install_stop();
     if ((status = read_other(job, &other)))
         return status;
-    if (make_shape(job, job->file, &job->mesh, &onto->own, NULL, &error))
+    const planish_surface surface = surface_of(job, job->file);
+    if (planish_shape_create(&job->mesh, &surface, job->options.threads, &onto->own, NULL, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
     if ((status = find_places(job, 0)))
         return status;
@@ -202,8 +232,19 @@ int pl_onto_measure(pl_job *job) {
                : 0;
 }
 
-/** Say that the triangles of the other surface join nothing, as where each has points of its own, or is there
- *  twice. */
+/** Say which points and triangles of the other surface were joined. */
+static void note_joined(FILE *stream, const pl_onto *onto, const char *file) {
+    if (onto->n_joined > 0)
+        pl_note(stream, "%" PRId64 " point%s of %s %s where others are, and joined to them",
+                onto->n_joined, onto->n_joined == 1 ? "" : "s", file,
+                onto->n_joined == 1 ? "is" : "are");
+    if (onto->n_left_out > 0)
+        pl_note(stream, "%" PRId64 " triangle%s of %s %s left out: without area, or there twice",
+                onto->n_left_out, onto->n_left_out == 1 ? "" : "s", file,
+                onto->n_left_out == 1 ? "is" : "are");
+}
+
+/** Say that the triangles of the other surface join nothing, as where each has points of its own. */
 static void note_loose(FILE *stream, const planish_shape_info *info, const char *file) {
     const int64_t n_loose = info->n_open_edges + info->n_nonmanifold_edges;
     if (2 * info->n_patches <= info->n_facets || 2 * n_loose <= info->n_facets)
@@ -211,7 +252,7 @@ static void note_loose(FILE *stream, const planish_shape_info *info, const char 
     pl_note(stream,
             "the %" PRId64 " triangles of %s are %" PRId64
             " patches, and nodes stay in theirs: join "
-            "its points, and remove triangles that are there twice",
+            "its points, and remove what is there twice",
             info->n_facets, file, info->n_patches);
 }
 
@@ -220,6 +261,7 @@ void pl_onto_note(FILE *stream, const pl_job *job, double worst) {
     const char *file = job->arguments->onto;
     if (!onto->fit)
         return;
+    note_joined(stream, onto, file);
     note_loose(stream, &onto->info, file);
     const int64_t n_far = onto->before.n_out_of_reach - onto->before.n_unclear;
     if (n_far > 0)
