@@ -724,7 +724,8 @@ typedef struct planish_options {
     double max_displacement;     /* how far from its start a node may go; 0: any distance */
     double rounding; /* elements of order 2: largest distance of a mid from the middle of
                                     a straight edge; 1e-6 of the element's longest edge is always
-                                    allowed. A call refuses another value than that of the plan */
+                                    allowed. With mesh.cells a call refuses
+                                    another value than that of the plan */
     planish_length_unit displacement_unit; /* of max_displacement */
     planish_precision precision;           /* format in which coordinates are stored in the end */
     int untangle;           /* not 0 (the default): repair elements that are not positive first,

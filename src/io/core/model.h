@@ -216,7 +216,8 @@ typedef struct io_data {
     const void *type;   /* the format's own, of the numbers */
 } io_data;
 
-/** Why the file holds a node, bits of io_model.hold. */
+/** What the file says of a node, bits of io_model.hold: why the node is held, or that it has
+ *  parameters. */
 enum {
     IO_HELD_BY_POINT = 1,   /* on an element that is a point */
     IO_HELD_BY_OTHER = 2,   /* on an element of a type that is not smoothed, or a line of more
