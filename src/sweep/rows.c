@@ -427,15 +427,6 @@ void pl_marked_destroy(pl_marked *m) {
     *m = (pl_marked){.n = 0};
 }
 
-void pl_marked_use(const pl_marked *m, pl_star_problem *problem) {
-    problem->more = m->n > 0 ? pl_marked_rows : NULL;
-    problem->more_user = m;
-    problem->has_more = m->has_more;
-    problem->max_more = m->max_more;
-    problem->scratch = m->scratch;
-    problem->scratch_stride = m->scratch_stride;
-}
-
 /** Share of each node of the patch in the rows of an element. */
 static double share_of(const pl_marked *m, int64_t element, const pl_cell_type *type) {
     const planish_plan *plan = m->watch->plan;
@@ -460,7 +451,9 @@ static double size_of(const pl_marked *m, int64_t element, const pl_cell_type *t
     return m->size ? sum / n : 1;
 }
 
-int64_t pl_marked_rows(const void *marked, int64_t star, pl_star_row *row) {
+/** Rows of marked elements at a star's node, at the plan's present coordinates (pl_star_more_fn);
+ *  marked: a pl_marked. */
+static int64_t marked_rows(const void *marked, int64_t star, pl_star_row *row) {
     const pl_marked *m = marked;
     const planish_plan *plan = m->watch->plan;
     const int32_t node = plan->interior.centre[star];
@@ -484,4 +477,13 @@ int64_t pl_marked_rows(const void *marked, int64_t star, pl_star_row *row) {
         n += rows;
     }
     return n;
+}
+
+void pl_marked_use(const pl_marked *m, pl_star_problem *problem) {
+    problem->more = m->n > 0 ? marked_rows : NULL;
+    problem->more_user = m;
+    problem->has_more = m->has_more;
+    problem->max_more = m->max_more;
+    problem->scratch = m->scratch;
+    problem->scratch_stride = m->scratch_stride;
 }
