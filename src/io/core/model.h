@@ -379,6 +379,9 @@ int io_model_alloc_nodes(io_model *model, int64_t n_nodes, int text, planish_err
 /** Note a run of nodes behind the others. */
 int io_model_span(io_model *model, io_span span, planish_error *error);
 
+/** Put the runs in the order of the file. */
+void io_model_sort_spans(io_model *model);
+
 /** Make n nodes whose coordinates stand at at, size bytes (4, 8) each, a node every stride bytes;
  *  note their place and their precision. Binary if model->is_binary (set it first), else text: then
  *  stride, swapped and at do not matter. size 4: values are floats, in text too. */
