@@ -2,7 +2,7 @@
  *
  *     pl_job_hold, _region_arrays          how options hold nodes; arrays that tell regions
  *     pl_job_element_dim, _corners, _element_number    its elements
- *     pl_box_widen                              a box
+ *     pl_job_box_widen                              a box
  *     pl_job_complain, _complain_memory    messages on errors of the library, and of memory
  */
 #ifndef PL_TOOLS_JOB_STATE_H
@@ -89,10 +89,10 @@ typedef struct pl_onto {
 } pl_onto;
 
 /** A box along the axes of a mesh. */
-typedef struct pl_box {
+typedef struct pl_job_box {
     int is_known; /* 0: nothing else is set */
     double low[3], high[3];
-} pl_box;
+} pl_job_box;
 
 /** Messages between the processes that share a mesh, summed over them. */
 typedef struct pl_traffic {
@@ -137,7 +137,7 @@ typedef struct pl_job {
     pl_curved curved;
     pl_onto onto;
     pl_like like;
-    pl_box goal; /* where the nodes will be, as far as that is known beforehand; for pictures */
+    pl_job_box goal; /* where the nodes will be, as far as that is known beforehand; for pictures */
     int64_t could_slide;  /* nodes that would with --slide auto; -1: not looked for */
     uint8_t *released_by; /* [mesh.n_nodes] bits PL_RELEASED_BY_ of held nodes; owned, or NULL: not
                                   looked for */
@@ -174,7 +174,7 @@ const int32_t *pl_job_corners(const pl_job *job, int64_t element, int *n);
 int64_t pl_job_element_number(const pl_job *job, int64_t element);
 
 /** Widen box to hold n places x [n][dim]. */
-void pl_box_widen(pl_box *box, int dim, const double *x, int64_t n);
+void pl_job_box_widen(pl_job_box *box, int dim, const double *x, int64_t n);
 
 /** Message for an error of the library: the text, and which file if it does not say so. */
 int pl_job_complain(const pl_job *job, int status, const planish_error *error);

@@ -157,7 +157,7 @@ int pl_unfixable_find(const pl_job *job, int64_t n_inverted, const planish_resul
     return status;
 }
 
-int pl_unfixable_add_inside(const pl_job *job, const pl_validity *validity,
+int pl_unfixable_add_inside(const pl_job *job, const pl_cells_validity *validity,
                             int64_t n_infeasible_curved, pl_unfixable *unfixable) {
     if (validity->n_inside == 0 || n_infeasible_curved < validity->n_inside)
         return 0;
@@ -198,7 +198,7 @@ void pl_unfixable_print(FILE *stream, const pl_job *job, const pl_unfixable *unf
                        "inverted, and held by an option");
 }
 
-void pl_inside_print(FILE *stream, const pl_job *job, const pl_validity *validity,
+void pl_inside_print(FILE *stream, const pl_job *job, const pl_cells_validity *validity,
                      const pl_unfixable *unfixable) {
     int64_t n_told = 0;
     for (int64_t i = 0; unfixable->state && validity->state && i < job->mesh.n_elements; i++)
