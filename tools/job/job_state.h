@@ -36,23 +36,23 @@ typedef struct pl_wanted_heights {
 } pl_wanted_heights;
 
 /** Why a node is held, in the order in which reasons count. A node may have several; as bits they
- * are 1 << pl_held_by. */
-typedef enum pl_held_by {
-    PL_HELD_BY_BOUNDARY,
-    PL_HELD_BY_LINE, /* or point, of the file */
-    PL_HELD_BY_FACE, /* of the file, inside the mesh */
-    PL_HELD_BY_INTERFACE,
-    PL_HELD_BY_OTHER, /* element, of a type that is not smoothed */
-    PL_HELD_BY_PERIODIC,
-    PL_HELD_BY_FIX,
-    PL_HELD_BY_REQUIRED,
-    PL_HELD_BY_DOUBLED,
-    PL_HELD_BY_NONMANIFOLD,
-    PL_HELD_BY_LAYERS,
-    PL_HELD_BY_WRAPPED,
-    PL_HELD_BY_NOT_CHOSEN,
-    PL_N_HELD_BY
-} pl_held_by;
+ * are 1 << pl_hold_cause. */
+typedef enum pl_hold_cause {
+    PL_CAUSE_BOUNDARY,
+    PL_CAUSE_LINE, /* or point, of the file */
+    PL_CAUSE_FACE, /* of the file, inside the mesh */
+    PL_CAUSE_INTERFACE,
+    PL_CAUSE_OTHER, /* element, of a type that is not smoothed */
+    PL_CAUSE_PERIODIC,
+    PL_CAUSE_FIX,
+    PL_CAUSE_REQUIRED,
+    PL_CAUSE_DOUBLED,
+    PL_CAUSE_NONMANIFOLD,
+    PL_CAUSE_LAYERS,
+    PL_CAUSE_WRAPPED,
+    PL_CAUSE_NOT_CHOSEN,
+    PL_N_CAUSES
+} pl_hold_cause;
 
 /* Bits beside those: the node is a mid-side node, and follows; it is of no element; its
  * constraint fixes it. */
@@ -62,7 +62,7 @@ enum { PL_HELD_FOLLOWS = 1 << 13, PL_HELD_NOT_USED = 1 << 14, PL_HELD_TOLD = 1 <
  * slide are all nodes. */
 typedef struct pl_held {
     int is_known; /* 0: nobody asked, or several processes have the mesh */
-    int64_t n[PL_N_HELD_BY];
+    int64_t n[PL_N_CAUSES];
     int64_t n_held;    /* their sum */
     int64_t n_mids;    /* mid-side nodes that nothing holds: they follow */
     int64_t n_unused;  /* nodes of no element */

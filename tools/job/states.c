@@ -114,8 +114,8 @@ const char *pl_holder_option(const pl_job *job, pl_holder holder) {
 /** The first option that alone holds a node of an element; -1: none does. bits [n_nodes] as
  *  pl_held_find. */
 static int holder_of(const pl_job *job, const uint16_t *bits, int64_t element) {
-    static const unsigned of[PL_N_HOLDERS] = {1 << PL_HELD_BY_LAYERS, 1 << PL_HELD_BY_FIX,
-                                              1 << PL_HELD_BY_INTERFACE};
+    static const unsigned of[PL_N_HOLDERS] = {1 << PL_CAUSE_LAYERS, 1 << PL_CAUSE_FIX,
+                                              1 << PL_CAUSE_INTERFACE};
     int corners;
     const int32_t *corner = pl_job_corners(job, element, &corners);
     unsigned all = 0, found = 0;

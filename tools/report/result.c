@@ -51,7 +51,7 @@ static void add_mesh(pl_json *json, cJSON *root, const pl_job *job, int64_t n_re
     pl_json_known(json, mesh, "could_slide", job->could_slide);
     if (held->is_known) {
         cJSON *reasons = pl_json_object(json, mesh, "held");
-        for (int i = 0; i < PL_N_HELD_BY; i++)
+        for (int i = 0; i < PL_N_CAUSES; i++)
             pl_json_integer(json, reasons, pl_held_name(i), held->n[i]);
     } else {
         pl_json_add(json, mesh, "held", cJSON_CreateNull());
