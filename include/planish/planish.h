@@ -33,26 +33,30 @@
  * - A mesh is "mixed" if a smoothed element has another type. There the aspect ratio AR of
  *   planish_cell_measures, from the mean ratios mu of corners, replaces RR (docs/elements.md).
  *
- * Sections:
- *   Version, errors            planish_version, planish_has_feature, planish_status, planish_error
- *   Mesh                       planish_mesh, planish_constraint
- *   Mesh in several processes  planish_part, planish_role
- *   Nodes that can slide       planish_find_slides
- *   Curved surfaces            planish_shape_create, planish_shape_measure, planish_smooth_surface,
- *                              planish_find_held, _find_held_on_surface
- *   Another surface            planish_fit_create, planish_fit_move, planish_fit_constrain,
- *                              planish_fit_project, planish_fit_measure
- *   Regions                    planish_rank_region_name, planish_find_regions, _combine_regions,
- *                              _find_interfaces
- *   Elements thin in layers    planish_find_layers, planish_measure_layers
- *   Options                    planish_options, planish_options_init, callbacks, planish_progress
- *   Plan                       planish_plan_create, _destroy, _get_info, _get_free, _get_held,
- *                              planish_find_wrapped
- *   Quality                    planish_measure, _measure_elements, _measure_mesh,
- *                              planish_find_reversed, planish_checksum
- *   Smoothing                  planish_smooth, planish_progress_get_coordinates, planish_result,
- *                              planish_check_volumes,
- *                              planish_find_infeasible
+ * Sections, with functions and main types; each name begins with planish_:
+ *
+ *     Version                    version, has_feature
+ *     Errors                     status, error
+ *     Mesh                       constraint, cell_type, cells, mesh
+ *     Mesh in several processes  role, part
+ *     Nodes that can slide       surface, find_slides
+ *     Curved surfaces            shape_create, shape_destroy, shape_get_classes, shape_get_edges,
+ *                                shape_measure
+ *     Regions                    cell_array, rank_region_name, find_regions, combine_regions,
+ *                                find_interfaces
+ *     Elements thin in layers    find_layers
+ *     Options                    progress, progress_fn, project_fn, options, options_init_sized
+ *     Another surface            fit_create, fit_destroy, fit_move, fit_constrain, fit_project,
+ *                                fit_measure
+ *     Plan                       plan_create, plan_destroy, plan_get_info, plan_get_free,
+ *                                plan_get_held, find_wrapped
+ *     Quality                    quality, measure, measure_elements, find_reversed, measure_mesh,
+ *                                cell_quality, cell_values, measure_cells, measure_surface,
+ *                                checksum
+ *     Heights of layers          measure_layers
+ *     Sizes                      measure_sizes, find_sizes
+ *     Smoothing                  result, smooth, progress_get_coordinates, smooth_surface,
+ *                                find_held, find_held_on_surface, check_volumes, find_infeasible
  */
 #ifndef PLANISH_H
 #define PLANISH_H
@@ -69,6 +73,8 @@ extern "C" {
 #else
 #define PLANISH_API
 #endif
+
+/* ---- Version --------------------------------------------------------------------------------- */
 
 #define PLANISH_VERSION "0.2.0"
 /* The same as numbers, for #if. */
@@ -257,7 +263,7 @@ typedef struct planish_mesh {
     const void *reserved[8]; /* NULL */
 } planish_mesh;
 
-/* ---- A mesh that several processes have ----------------------------------------------------- */
+/* ---- Mesh in several processes -------------------------------------------------------------- */
 
 /** Role of a node in a process that has a part of the mesh. */
 typedef enum planish_role {
@@ -271,9 +277,9 @@ typedef void planish_take_fn(int32_t ghost, const void *value, void *taker);
 
 /** Part of a mesh that several processes share, and how this process reaches the others: for MPI
  *  or the like (docs/distributed.md). Every node of the mesh is OWN or SHARED in exactly one
- *  process, its owner. The owner has all elements of the
- *  node, with all their nodes; those of other processes are the owner's GHOSTs. The nodes and
- *  elements of a part are in the order of the whole mesh.
+ *  process, its owner. The owner has all elements of the node, with all their nodes; those of other
+ *  processes are the owner's GHOSTs. The nodes and elements of a part are in the order of the whole
+ *  mesh.
  *
  *  All processes make the same calls on their plans, with the same options, at the same time.
  *  Each call then gives the result that it would give with the whole mesh in one process, to the
@@ -719,7 +725,8 @@ typedef struct planish_options {
     double rounding; /* elements of order 2: largest distance of a mid from the middle of
                                     a straight edge; 1e-6 of the element's longest edge is always
                                     allowed. Elements that this bends by much are curved all the
-                                    same. A call refuses another value than that of the plan */
+                                    same. With mesh.cells a call refuses another value than that of the
+                                    plan */
     planish_length_unit displacement_unit; /* of max_displacement */
     planish_precision precision;           /* format in which coordinates are stored in the end */
     int untangle;           /* not 0 (the default): repair elements that are not positive first,
@@ -835,23 +842,20 @@ PLANISH_API void planish_fit_destroy(planish_fit *fit);
 
 /** Move the nodes of mesh to their places, as far as elements stay valid. The call works in rounds, and
  *  smooths the other nodes between them; nodes on the other surface slide along it. Elements may get
- *  worse,
- *  but none becomes invalid. mesh is the mesh of fit; coordinates have its strides, and may
- *  differ from those of an earlier call. options (NULL: defaults)
- *  are as for planish_smooth, except that project, shape, method, worst, max_sweeps, only_worse_than and
- *  around are ignored, and bounds hold for the smoothing only; progress is called in its sweeps. time_limit is for
- *  the
- *  whole call. info (may be NULL) tells how many nodes are not at their places; planish_smooth, or
- *  another call, may make room for them.
+ *  worse, but none becomes invalid. mesh is the mesh of fit; coordinates have its strides, and may
+ *  differ from those of an earlier call. options (NULL: defaults) are as for planish_smooth, except that
+ *  project, shape, method, worst, max_sweeps, only_worse_than and around are ignored, and bounds hold for
+ *  the smoothing only; progress is called in its sweeps. time_limit is for the whole call. info (may be
+ *  NULL) tells how many nodes are not at their places; planish_smooth, or another call, may make room for
+ *  them.
  *  Errors: as of planish_plan_create and planish_smooth; coordinates are then untouched. */
 PLANISH_API int planish_fit_move(planish_fit *fit, const planish_mesh *mesh, double *coordinates,
                                  const planish_options *options, planish_fit_info *info,
                                  planish_error *error);
 
 /** Fill constraint [n_nodes] for the nodes of the mesh's surface, interfaces between regions included:
- *  nodes
- *  that slide along the other surface become ON_SURFACE, all others FIXED. Smooth with options.project =
- *  planish_fit_project and project_user = fit. Entries of other nodes do not change. */
+ *  nodes that slide along the other surface become ON_SURFACE, all others FIXED. Smooth with
+ *  options.project = planish_fit_project and project_user = fit. Entries of other nodes do not change. */
 PLANISH_API void planish_fit_constrain(const planish_fit *fit, uint8_t *constraint);
 
 /** Project a node on the other surface: a planish_project_fn whose user is a fit. */
@@ -859,9 +863,8 @@ PLANISH_API planish_constraint planish_fit_project(int64_t node, double *point, 
                                                    void *fit);
 
 /** Bound the distance of the boundary of mesh, at mesh->coordinates, from the other surface (distance),
- *  and
- *  the distance back; edge lengths are those of the mesh's boundary. Bends are 0. The bounds are proved,
- *  as those of planish_shape_measure. Errors: _ARGUMENT, _MESH, _MEMORY. */
+ *  and the distance back; edge lengths are those of the mesh's boundary. Bends are 0. The bounds are
+ *  proved, as those of planish_shape_measure. Errors: _ARGUMENT, _MESH, _MEMORY. */
 PLANISH_API int planish_fit_measure(const planish_fit *fit, const planish_mesh *mesh,
                                     planish_shape_distance *distance, planish_error *error);
 
@@ -1128,6 +1131,23 @@ PLANISH_API int planish_measure_cells(const planish_mesh *mesh, double rounding,
                                       planish_cell_quality *quality,
                                       const planish_cell_values *values, planish_error *error);
 
+/** Measure mesh->coordinates of a surface in space: areas, angles and ratios of the elements, each in its
+ *  own plane. shape was made of the same elements. Movable nodes are those of planish_smooth_surface.
+ *  An element is inverted if it has no area, or has turned over against the shape. quality: as of
+ *  planish_measure for such elements in a plane. ratio [n_elements] (may be NULL): RR, with
+ *  quadrilaterals AR; 0 for inverted elements. cells and values (may be NULL): as of
+ *  planish_measure_cells, with elements of order 2 by their corners. threads: as in planish_options.
+ *  Errors: _ARGUMENT, _MESH, _MEMORY, _PARTS; all outputs but values are then untouched. */
+PLANISH_API int planish_measure_surface(const planish_shape *shape, const planish_mesh *mesh,
+                                        int threads, planish_quality *quality, double *ratio,
+                                        planish_cell_quality *cells,
+                                        const planish_cell_values *values, planish_error *error);
+
+/** Return a checksum of 64 bits of mesh->coordinates in the order of the nodes, whatever the strides.
+ *  Equal bits have equal checksums; different bits have different ones, except with a chance of
+ *  about 1 in 2^64. 0 for no coordinates. */
+PLANISH_API uint64_t planish_checksum(const planish_mesh *mesh);
+
 /* ---- Heights of layers ---------------------------------------------------------------------- */
 
 enum { PLANISH_LAYER_ROWS = 32 };
@@ -1187,11 +1207,6 @@ PLANISH_API int planish_measure_sizes(const planish_mesh *mesh, int threads,
  *  the sizes of a mesh where they are. Errors: as of planish_measure_sizes. */
 PLANISH_API int planish_find_sizes(const planish_mesh *mesh, int threads, double *size,
                                    planish_error *error);
-
-/** Return a checksum of 64 bits of mesh->coordinates in the order of the nodes, whatever the strides.
- *  Equal bits have equal checksums; different bits have different ones, except with a chance of
- *  about 1 in 2^64. 0 for no coordinates. */
-PLANISH_API uint64_t planish_checksum(const planish_mesh *mesh);
 
 /* ---- Smoothing ---------------------------------------------------------------------------- */
 
@@ -1363,18 +1378,6 @@ PLANISH_API int planish_find_held(planish_plan *plan, const double *coordinates,
 PLANISH_API int planish_find_held_on_surface(const planish_mesh *mesh,
                                              const planish_options *options, uint8_t *held,
                                              planish_error *error);
-
-/** Measure mesh->coordinates of a surface in space: areas, angles and ratios of the elements, each in its
- *  own plane. shape was made of the same elements. Movable nodes are those of planish_smooth_surface.
- *  An element is inverted if it has no area, or has turned over against the shape. quality: as of
- *  planish_measure for such elements in a plane. ratio [n_elements] (may be NULL): RR, with
- *  quadrilaterals AR; 0 for inverted elements. cells and values (may be NULL): as of
- *  planish_measure_cells, with elements of order 2 by their corners. threads: as in planish_options.
- *  Errors: _ARGUMENT, _MESH, _MEMORY, _PARTS; all outputs but values are then untouched. */
-PLANISH_API int planish_measure_surface(const planish_shape *shape, const planish_mesh *mesh,
-                                        int threads, planish_quality *quality, double *ratio,
-                                        planish_cell_quality *cells,
-                                        const planish_cell_values *values, planish_error *error);
 
 /** State of an element as planish_check_volumes reports it. */
 typedef enum planish_volume_state {

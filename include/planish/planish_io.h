@@ -2,19 +2,24 @@
  * byte stays as it was, except the coordinates of moved nodes. Each name begins with planish_file_:
  *
  *     open, open_with, close                        read a file into memory, free it
- *     formats, get_info, unterminated_path          the format, how the file stores coordinates
- *     mesh, coordinates                             the arrays to smooth; the file owns them
- *     plane, space_coordinates, round_in_plane      triangles: their plane, from it to space
+ *     formats, format_info                          the formats that can be read, and written
+ *     get_info, unterminated_path                   the format, how the file stores coordinates
+ *     get_parametric                                nodes that the file puts on curves and surfaces
+ *     mesh, cells, coordinates                      the arrays to smooth; the file owns them
+ *     plane, space_coordinates                      triangles: their plane, from it to space
  *     cell_arrays, region_arrays, choose_regions    arrays of numbers that tell regions
  *     data_info, data                               arrays of numbers: sizes, metrics, results
  *     groups                                        tags of what may be held, slide, have volumes
- *     constraints, get_held, get_marked, surface    held nodes, the reasons, where nodes slide
- *     min_volumes, get_parametric                   minimum volumes of groups; nodes on curves
- *     get_supported, supported_groups, included     boundary conditions; included files
+ *     constraints, get_held, get_marked             held nodes, and the reasons
+ *     get_supported, supported_groups               boundary conditions
+ *     included                                      included files
+ *     surface                                       what tells where nodes slide
+ *     min_volumes                                   minimum volumes of groups
  *     element_number, node_number, element_region   how the file calls an element or node
+ *     round_in_plane                                coordinates as the file will have them
  *     can_write, check_output, write                write the file with the new coordinates
+ *     target, target_of                             the formats that meshes can be written in
  *     can_convert, check_conversion, convert        write the mesh in another format
- *     target, target_of                             the formats for that
  *
  * planish_sol_read reads the sizes that Medit keeps beside its meshes, planish_data_free frees data.
  * planish_io_version is the version of this library.
@@ -23,8 +28,8 @@
  * OpenFOAM are folders: give the path of the folder. Calls on different files may run at the same
  * time, except on HDF5 files (CGNS, MED, VTKHDF, DMPlex, Exodus, XDMF), unless the HDF5 library is
  * built for threads. The error convention is that of planish.h; the text names the file, the line or
- * byte, and says what to do. Functions that cannot fail return 0, NULL, -1 or
- * an empty list if file or path is NULL.
+ * byte, and says what to do. Functions that cannot fail return 0, NULL, -1 or an
+ * empty list if file or path is NULL.
  */
 #ifndef PLANISH_IO_H
 #define PLANISH_IO_H

@@ -71,9 +71,9 @@ typedef struct pl_context {
     int failed;     /* an allocation has failed since pl_context_begin */
     int call;       /* number of the call that is under way, or the last: see pl_context_begin */
     pl_arena arena; /* where its arrays are, as far as they have room */
-    size_t largest_shared; /* bytes of the largest that may be: see memory.c */
-    struct pl_block *kept; /* see memory.c */
-    int lock;              /* of kept */
+    size_t largest_shared;        /* bytes of the largest that may be: see memory.c */
+    struct pl_memory_block *kept; /* see memory.c */
+    int lock;                     /* of kept */
 } pl_context;
 
 /** Make a context as options say, which holds its own memory, or NULL without memory. */

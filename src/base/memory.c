@@ -22,19 +22,19 @@ static size_t round_up(size_t bytes, size_t unit) {
 typedef enum source { SYSTEM, CALLER, ARENA, PAGES } source;
 
 /** Head of every array, in a cache line of its own. */
-typedef struct pl_block {
+typedef struct pl_memory_block {
     pl_context *owner; /* NULL: nobody */
     void *start;       /* what the source has given */
     size_t bytes;      /* room for the array */
     source source;
-    int call;              /* of the context that wanted it last */
-    struct pl_block *next; /* in the list of those that are kept */
-} pl_block;
+    int call;                     /* of the context that wanted it last */
+    struct pl_memory_block *next; /* in the list of those that are kept */
+} pl_memory_block;
 
-_Static_assert(sizeof(pl_block) <= ALIGNMENT, "a block's head stands in one cache line");
+_Static_assert(sizeof(pl_memory_block) <= ALIGNMENT, "a block's head stands in one cache line");
 
-static pl_block *block_of(void *array) {
-    return (pl_block *)(void *)((char *)array - ALIGNMENT);
+static pl_memory_block *block_of(void *array) {
+    return (pl_memory_block *)(void *)((char *)array - ALIGNMENT);
 }
 
 /** Return bytes of fresh memory, and its source in *from; NULL without memory. Large arrays
@@ -70,21 +70,22 @@ static void *fresh_memory(pl_context *owner, size_t bytes, source *from) {
 
 /** Return a fresh block for an array of bytes, a multiple of ALIGNMENT, with its head; NULL
  *  without memory. */
-static pl_block *fresh_block(pl_context *owner, size_t bytes) {
+static pl_memory_block *fresh_block(pl_context *owner, size_t bytes) {
     source from;
     void *start = fresh_memory(owner, bytes + ALIGNMENT, &from);
     if (!start)
         return NULL;
-    pl_block *block = start;
+    pl_memory_block *block = start;
     if (from == CALLER)
-        block = (pl_block *)(void *)((char *)start + (ALIGNMENT - (uintptr_t)start % ALIGNMENT));
-    *block = (pl_block){.owner = owner, .start = start, .bytes = bytes, .source = from};
+        block =
+            (pl_memory_block *)(void *)((char *)start + (ALIGNMENT - (uintptr_t)start % ALIGNMENT));
+    *block = (pl_memory_block){.owner = owner, .start = start, .bytes = bytes, .source = from};
     if (owner)
         __atomic_fetch_add(&owner->bytes, (int64_t)bytes, __ATOMIC_RELAXED);
     return block;
 }
 
-static void release_block(pl_block *block) {
+static void release_block(pl_memory_block *block) {
     pl_context *owner = block->owner, *before;
     if (owner)
         __atomic_fetch_sub(&owner->bytes, (int64_t)block->bytes, __ATOMIC_RELAXED);
@@ -112,12 +113,12 @@ static void release_block(pl_block *block) {
  * promises that a repeated call allocates nothing. */
 
 /** Take a kept block of so many bytes; NULL: there is none. */
-static pl_block *take_kept(pl_context *context, size_t bytes) {
+static pl_memory_block *take_kept(pl_context *context, size_t bytes) {
     pl_spin_lock(&context->lock);
-    pl_block **at = &context->kept;
+    pl_memory_block **at = &context->kept;
     while (*at && (*at)->bytes != bytes)
         at = &(*at)->next;
-    pl_block *block = *at;
+    pl_memory_block *block = *at;
     if (block)
         *at = block->next;
     pl_spin_unlock(&context->lock);
@@ -127,17 +128,17 @@ static pl_block *take_kept(pl_context *context, size_t bytes) {
 void pl_forget_kept(pl_context *context) {
     context->keeps = 0;
     while (context->kept) {
-        pl_block *block = context->kept;
+        pl_memory_block *block = context->kept;
         context->kept = block->next;
         release_block(block);
     }
 }
 
 void pl_forget_unwanted(pl_context *context, int call) {
-    pl_block *unwanted = NULL;
+    pl_memory_block *unwanted = NULL;
     pl_spin_lock(&context->lock);
-    for (pl_block **at = &context->kept; *at;) {
-        pl_block *block = *at;
+    for (pl_memory_block **at = &context->kept; *at;) {
+        pl_memory_block *block = *at;
         if (block->call < call) {
             *at = block->next;
             block->next = unwanted;
@@ -148,7 +149,7 @@ void pl_forget_unwanted(pl_context *context, int call) {
     }
     pl_spin_unlock(&context->lock);
     while (unwanted) {
-        pl_block *block = unwanted;
+        pl_memory_block *block = unwanted;
         unwanted = block->next;
         release_block(block);
     }
@@ -166,7 +167,7 @@ void *pl_alloc(int64_t count, size_t size) {
         return NULL;
     size_t bytes = (size_t)count * size;
     bytes = bytes ? round_up(bytes, ALIGNMENT) : ALIGNMENT;
-    pl_block *block = NULL;
+    pl_memory_block *block = NULL;
     if (context && context->keeps) {
         /* One of a few sizes, an eighth apart at most. Only blocks of the very size are taken
          * again: so a call that wants what the one before wanted finds it all. */
@@ -233,7 +234,7 @@ void *pl_append(void *array, int64_t *count, int64_t *capacity, const void *item
 void pl_free(void *array) {
     if (!array)
         return;
-    pl_block *block = block_of(array);
+    pl_memory_block *block = block_of(array);
     pl_context *owner = block->owner;
     if (!owner || !owner->keeps) {
         release_block(block);

@@ -43,8 +43,7 @@ void pl_free(void *array);
 /** Say that array is context's. */
 void pl_own_block(void *array, struct pl_context *context);
 
-/** Release the blocks that context keeps, and keep no further ones; or those blocks that no call
- * since that one has wanted. */
+/** Release the blocks that context keeps, and keep no further ones. */
 void pl_forget_kept(struct pl_context *context);
 
 /** Release the kept blocks that no call since call has wanted. */

@@ -22,7 +22,8 @@ typedef struct covering {
     double area;
 } covering;
 
-int32_t pl_fit_piece_at(const planish_fit *fit, int32_t node) {
+/** Return the piece of a node's place. */
+static int32_t piece_at(const planish_fit *fit, int32_t node) {
     const planish_shape *onto = fit->onto;
     const int32_t at = fit->place[node].at, *piece = fit->pieces.of;
     if (fit->kind[node] == PL_ON_PATCH)
@@ -41,8 +42,7 @@ int32_t pl_fit_piece_at(const planish_fit *fit, int32_t node) {
 static int32_t piece_under(const planish_fit *fit, const int32_t node[3]) {
     int32_t piece = -1;
     for (int k = 0; k < 3; k++) {
-        const int32_t here =
-            fit->state[node[k]] == PL_FIT_PLACED ? pl_fit_piece_at(fit, node[k]) : -1;
+        const int32_t here = fit->state[node[k]] == PL_FIT_PLACED ? piece_at(fit, node[k]) : -1;
         if (here < 0 || (k > 0 && here != piece))
             return -1;
         piece = here;
@@ -165,7 +165,7 @@ int pl_fit_may_use(const planish_fit *fit, int32_t own, int32_t piece) {
 int pl_fit_has_strays(const planish_fit *fit) {
     for (int32_t i = 0; i < fit->n_nodes; i++)
         if (fit->state[i] == PL_FIT_PLACED &&
-            !pl_fit_may_use(fit, pl_fit_piece_of(fit, i), pl_fit_piece_at(fit, i)))
+            !pl_fit_may_use(fit, pl_fit_piece_of(fit, i), piece_at(fit, i)))
             return 1;
     return 0;
 }
@@ -180,7 +180,7 @@ void pl_fit_hold_doubled(planish_fit *fit) {
             fit->state[i] = PL_FIT_UNCLEAR;
     }
     for (int32_t i = 0; i < fit->n_nodes; i++) {
-        const int32_t piece = fit->state[i] == PL_FIT_PLACED ? pl_fit_piece_at(fit, i) : -1;
+        const int32_t piece = fit->state[i] == PL_FIT_PLACED ? piece_at(fit, i) : -1;
         if (piece >= 0)
             is_used[piece] = 1;
     }

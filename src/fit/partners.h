@@ -18,9 +18,6 @@ int32_t pl_fit_piece_of(const planish_fit *fit, int32_t node);
  *  are not for it, nor are hollows for the outside of a body. */
 int pl_fit_may_use(const planish_fit *fit, int32_t own, int32_t piece);
 
-/** Return the piece of a node's place. */
-int32_t pl_fit_piece_at(const planish_fit *fit, int32_t node);
-
 /** Whether a node has a place on a piece that is not for it. */
 int pl_fit_has_strays(const planish_fit *fit);
 

@@ -44,7 +44,7 @@ int pl_run_untangle(pl_run *r, planish_error *error);
 int pl_run_raise_volumes(pl_run *r, planish_error *error);
 
 /** Put nodes back to their start around elements that are worse than at the start: in the mesh as
- *  measured last, by a smaller angle or, with followers, by anything else. r->result->put_back
+ *  measured last, by a smaller angle or, with followers, by anything else. r->result->n_put_back
  *  counts them. Errors: _MEMORY. */
 int pl_run_put_back_angles(pl_run *r, planish_error *error);
 

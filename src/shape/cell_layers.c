@@ -15,6 +15,7 @@
 #include "base/parallel.h"
 #include "base/status.h"
 #include "geometry/layer_shape.h"
+#include "topology/cells.h"
 #include "topology/frame.h"
 
 #include <math.h>
@@ -44,11 +45,6 @@ typedef struct thin_search {
     uint8_t *thinness; /* [cells->n] */
     int64_t n_thin;    /* shared */
 } thin_search;
-
-static const pl_cell_type *counted_type(const planish_mesh *mesh, int64_t cell) {
-    const pl_cell_type *type = pl_cell_type_of(mesh->cells->type[cell]);
-    return type && type->shape->dim == mesh->dim ? type : NULL;
-}
 
 static int is_simplex(const pl_cell_type *type) {
     return type->shape->n_simplices == 1;
@@ -112,7 +108,7 @@ static void find_thinness_chunk(void *context, int64_t begin, int64_t end, int t
     int64_t n = 0;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
-        const pl_cell_type *type = counted_type(s->mesh, i);
+        const pl_cell_type *type = pl_counted_type(s->mesh->cells, s->mesh->dim, i);
         s->thinness[i] = 0;
         if (type && type->shape->n_simplices > 1)
             s->thinness[i] = (uint8_t)thinness_of(s, type->shape, cells->node + cells->offset[i]);
@@ -161,13 +157,14 @@ static int64_t count_simplices(const planish_mesh *mesh, const uint8_t *thinness
     int64_t n = 0;
     int wide = 0; /* PL_IS_WIDE if there are thin ones */
     for (int64_t i = 0; i < cells->n; i++)
-        for (int c = 0; thinness[i] & PL_IS_THIN && c < counted_type(mesh, i)->shape->n_corners;
+        for (int c = 0; thinness[i] & PL_IS_THIN &&
+                        c < pl_counted_type(mesh->cells, mesh->dim, i)->shape->n_corners;
              c++) {
             is_near[cells->node[cells->offset[i] + c]] = 1;
             wide = PL_IS_WIDE;
         }
     for (int64_t i = 0; i < cells->n; i++) {
-        const pl_cell_type *type = counted_type(mesh, i);
+        const pl_cell_type *type = pl_counted_type(mesh->cells, mesh->dim, i);
         int is_needed = type && (is_simplex(type) || thinness[i] & wide);
         for (int c = 0; type && !is_needed && c < type->shape->n_corners; c++)
             is_needed = is_near[cells->node[cells->offset[i] + c]];
@@ -190,7 +187,7 @@ static int given_at(const pl_cell_shape *shape, int c, int thinness) {
 
 /** Fill in the simplices of an element. */
 static void add_simplices(const planish_mesh *mesh, int thinness, int64_t cell, corner_mesh *m) {
-    const pl_cell_shape *shape = counted_type(mesh, cell)->shape;
+    const pl_cell_shape *shape = pl_counted_type(mesh->cells, mesh->dim, cell)->shape;
     const int32_t *node = mesh->cells->node + mesh->cells->offset[cell];
     const int k = mesh->dim + 1;
     int64_t at = m->first[cell];
@@ -278,10 +275,12 @@ static void drop_bad_layers(const planish_mesh *mesh, const uint8_t *thinness, l
     const planish_cells *cells = mesh->cells;
     for (int64_t i = 0; i < cells->n; i++)
         if (mark[i] && thinness[i])
-            join_nodes(s, cells->node + cells->offset[i], counted_type(mesh, i)->shape->n_corners);
+            join_nodes(s, cells->node + cells->offset[i],
+                       pl_counted_type(mesh->cells, mesh->dim, i)->shape->n_corners);
     for (int64_t i = 0; i < cells->n; i++)
         if (thinness[i] & PL_IS_INVALID && !mark[i])
-            count_bad(s, cells->node + cells->offset[i], counted_type(mesh, i)->shape->n_corners);
+            count_bad(s, cells->node + cells->offset[i],
+                      pl_counted_type(mesh->cells, mesh->dim, i)->shape->n_corners);
         else if (mark[i] == PL_ROW_MARKED && thinness[i])
             s->n[layer_of(s, cells->node[cells->offset[i]])]++;
     for (int64_t i = 0; i < cells->n; i++)

@@ -14,9 +14,10 @@
 /* An element that is not marked belongs to a layer that it lies on if it is flat, by PL_THIN, or
  * inverted: a wall that was moved leaves such elements. So many rows of them are taken in. */
 enum { ROWS_TAKEN = 3 };
+
 static const pl_cell_type *counted_type(const planish_mesh *mesh, int64_t cell) {
-    const pl_cell_type *type = pl_cell_type_of(mesh->cells->type[cell]);
-    return type && type->shape->dim == mesh->dim && type->shape->n_simplices > 0 ? type : NULL;
+    const pl_cell_type *type = pl_counted_type(mesh->cells, mesh->dim, cell);
+    return type && type->shape->n_simplices > 0 ? type : NULL;
 }
 
 static double square_of(const pl_columns *c, int32_t a, int32_t b) {

@@ -45,7 +45,7 @@ enum {
 
 /** The frame of T: it lies in the plane of the first two coordinates; the third is the height. Side
  *  k goes from corner k to the next one. */
-typedef struct pl_frame {
+typedef struct overlay_frame {
     double origin[3], axis[3][3];
     double corner[3][3]; /* the heights are roundings */
     double inward[3][2]; /* unit normal of side k */
@@ -53,7 +53,7 @@ typedef struct pl_frame {
     double height[3];    /* and of the corner opposite to it */
     double area;         /* twice that of T */
     double longest;      /* side */
-} pl_frame;
+} overlay_frame;
 
 /** A point in T's frame. */
 typedef struct pl_flat_point {
@@ -73,7 +73,7 @@ typedef struct pl_overlay {
     const pl_moved_facet *t;
     double limit;
     int is_any; /* 1: T never was a facet, so that its sides are none of the features */
-    pl_frame frame;
+    overlay_frame frame;
     double margin;  /* largest one of a facet */
     double highest; /* corner of a piece, of either sign */
     double
@@ -98,7 +98,7 @@ static inline double larger(double a, double b) {
     return a > b ? a : b;
 }
 
-static void to_frame(const pl_frame *f, const double x[3], double local[3]) {
+static void to_frame(const overlay_frame *f, const double x[3], double local[3]) {
     double v[3];
     pl_subtract(3, x, f->origin, v);
     for (int d = 0; d < 3; d++)
@@ -106,13 +106,13 @@ static void to_frame(const pl_frame *f, const double x[3], double local[3]) {
 }
 
 /** Depth of a point under side k of T. */
-static double depth_of(const pl_frame *f, int k, const double *p) {
+static double depth_of(const overlay_frame *f, int k, const double *p) {
     return f->inward[k][0] * (p[0] - f->corner[k][0]) + f->inward[k][1] * (p[1] - f->corner[k][1]);
 }
 
 /** Set axis to unit vectors across one another: along the first side, and the normal. Returns whether
  *  T has an area. */
-static int set_axes(pl_frame *f, const double x[3][3]) {
+static int set_axes(overlay_frame *f, const double x[3][3]) {
     double u[3], v[3], normal[3], across[3];
     pl_subtract(3, x[1], x[0], u);
     pl_subtract(3, x[2], x[0], v);
@@ -131,7 +131,7 @@ static int set_axes(pl_frame *f, const double x[3][3]) {
 }
 
 /** Set the frame of a triangle. Returns whether it has an area. */
-static int set_frame(pl_frame *f, const double x[3][3]) {
+static int set_frame(overlay_frame *f, const double x[3][3]) {
     if (!set_axes(f, x))
         return 0;
     memcpy(f->origin, x[0], sizeof f->origin);
@@ -155,7 +155,7 @@ static int set_frame(pl_frame *f, const double x[3][3]) {
 
 /** Compute a node of the shape in T's frame, or find it where that was done. */
 static const pl_flat_point *see_node(pl_overlay *o, int32_t node) {
-    const pl_frame *f = &o->frame;
+    const overlay_frame *f = &o->frame;
     for (int i = 0; i < o->n_seen; i++)
         if (o->seen[i] == node)
             return &o->at[i];
@@ -352,7 +352,7 @@ static int is_on_feature(const pl_overlay *o, int k) {
 /** Widen the strip or cut that widens least to hold what is as deep as depth [side] at both ends. A
  *  strip is the better one: it takes all the features along it. Returns whether there is one. */
 static int widen(pl_overlay *o, const double depth[3][2], double margin) {
-    const pl_frame *f = &o->frame;
+    const overlay_frame *f = &o->frame;
     double least = INFINITY, *at = NULL, to = 0;
     for (int k = 0; k < 3; k++) {
         const double deep = fmax(depth[k][0], depth[k][1]);
@@ -606,7 +606,7 @@ static double find_chain(const planish_shape *s, const pl_moved_facet *t, int k,
 }
 
 /** Take a point of a chain into its extent. */
-static void add_point(const pl_frame *f, int k, const double x[3], pl_extent *extent) {
+static void add_point(const overlay_frame *f, int k, const double x[3], pl_extent *extent) {
     double local[3];
     to_frame(f, x, local);
     const double depth = depth_of(f, k, local);
@@ -616,7 +616,7 @@ static void add_point(const pl_frame *f, int k, const double x[3], pl_extent *ex
 }
 
 /** How far along side k a point is. */
-static double along_of(const pl_frame *f, int k, const double x[3]) {
+static double along_of(const overlay_frame *f, int k, const double x[3]) {
     double local[3];
     to_frame(f, x, local);
     return f->inward[k][1] * (local[0] - f->corner[k][0]) -
@@ -625,7 +625,7 @@ static double along_of(const pl_frame *f, int k, const double x[3]) {
 
 /** Find the extent of the chain under side k; of infinite height if there is none. */
 static void find_extent(const pl_overlay *o, int k, pl_extent *extent) {
-    const pl_frame *f = &o->frame;
+    const overlay_frame *f = &o->frame;
     pl_chain chain;
     *extent = (pl_extent){INFINITY, -INFINITY, 0, 0};
     if (!(find_chain(o->shape, o->t, k, &chain) < INFINITY)) {
@@ -660,7 +660,7 @@ double pl_overlay_lateral(const planish_shape *shape, const pl_moved_facet *t) {
 
 /** Whether a point is in what is left of T without strips and cuts, by more than a few margins. */
 static int is_in_rest(const pl_overlay *o, const double *p) {
-    const pl_frame *f = &o->frame;
+    const overlay_frame *f = &o->frame;
     for (int k = 0; k < 3; k++) {
         const double depth = depth_of(f, k, p);
         if (!(depth >= o->strip[k] + 4 * o->margin &&
@@ -672,7 +672,7 @@ static int is_in_rest(const pl_overlay *o, const double *p) {
 
 /** Whether the flood covers the rest of T, once. */
 static int is_covered(const pl_overlay *o) {
-    const pl_frame *f = &o->frame;
+    const overlay_frame *f = &o->frame;
     for (int k = 0; k < 3; k++)
         if (!(o->strip[k] <= DEEPEST_STRIP * f->height[k] && o->cut[k] <= LARGEST_CUT &&
               16 * o->margin <= DEEPEST_STRIP * f->height[k]))
@@ -729,14 +729,14 @@ static double bound_of(const pl_doubt *d) {
 
 /** The way to the rest of T by its middle, where that of one strip or cut may end in another one: in
  *  units of the depth of what is deep of reach. */
-static double by_middle(const pl_frame *f, double reach, double deep) {
+static double by_middle(const overlay_frame *f, double reach, double deep) {
     return 2. / 3 * f->longest / (reach - deep);
 }
 
 /** The way to the rest of T from a point of the strip along side k, in units of how deep that lies over the
  *  point: towards the opposite corner. */
 static double to_rest_of_strip(const pl_overlay *o, int k) {
-    const pl_frame *f = &o->frame;
+    const overlay_frame *f = &o->frame;
     const int l = (k + 1) % 3, m = (k + 2) % 3;
     const int is_alone = !(o->strip[l] > 0 || o->strip[m] > 0 || o->cut[k] > 0 || o->cut[l] > 0);
     return is_alone ? fmax(f->side[l], f->side[m]) / f->height[k]
@@ -745,7 +745,7 @@ static double to_rest_of_strip(const pl_overlay *o, int k) {
 
 /** Return the same of the cut around corner k, *deep in all: the shortest one to the opposite side. */
 static double to_rest_of_cut(const pl_overlay *o, int k, double *deep) {
-    const pl_frame *f = &o->frame;
+    const overlay_frame *f = &o->frame;
     const int l = (k + 1) % 3, m = (k + 2) % 3;
     const double a = f->side[l], b = f->side[m], c = f->side[k], side = fmax(b, c);
     const int is_alone = !(o->strip[k] > 0 || o->strip[m] > 0);
@@ -757,7 +757,7 @@ static double to_rest_of_cut(const pl_overlay *o, int k, double *deep) {
 
 /** Bound the distance in the strip along side k. */
 static double bound_strip(const pl_overlay *o, int k, double w, double lateral) {
-    const pl_frame *f = &o->frame;
+    const overlay_frame *f = &o->frame;
     const int l = (k + 1) % 3, m = (k + 2) % 3;
     const double a = f->side[k], b = f->side[l], c = f->side[m];
     pl_doubt d = {.w = w, .deep = o->strip[k], .to_side = 1, .lateral = lateral};
@@ -780,7 +780,7 @@ static double bound_cut(const pl_overlay *o, int k, double w, double lateral) {
 
 /** Bound the distance of all of T when its rest is covered. */
 static double bound_all(const pl_overlay *o, double lateral) {
-    const pl_frame *f = &o->frame;
+    const overlay_frame *f = &o->frame;
     const double w = o->highest;
     double bound = w;
     for (int k = 0; k < 3; k++) {
@@ -863,7 +863,7 @@ static double way_to_rest(const pl_overlay *o, double rise) {
  *  gaps; beside features by the way to there, or what is known of T and the triangles there but for the
  *  bends of both. */
 static double bound_curved(const pl_overlay *o, double lateral) {
-    const pl_frame *f = &o->frame;
+    const overlay_frame *f = &o->frame;
     const double rise = highest_rise(o->t);
     const double radius = f->area / (f->side[0] + f->side[1] + f->side[2]);
     double bound = sqrt(o->apart2) * (1 + ROUNDING) + 16 * ROUNDING * rise +

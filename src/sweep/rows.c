@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "geometry/cube_root.h"
+#include "geometry/simplex.h"
 
 #include <math.h>
 #include <string.h>
@@ -187,16 +188,6 @@ static void find_derivatives(const pl_jacobian_rule *rule, const double *x, int 
         }
 }
 
-static void cross(const double *a, const double *b, double *to) {
-    to[0] = a[1] * b[2] - a[2] * b[1];
-    to[1] = a[2] * b[0] - a[0] * b[2];
-    to[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-static double dot3(const double *a, const double *b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /** A coefficient while it is summed up. */
 typedef struct coefficient {
     double D0, slope[3];
@@ -216,12 +207,12 @@ static void sum_products(const pl_jacobian_rule *rule, derivatives v, derivative
         const double ra = speed[0][of->i][0], rb = speed[1][of->j][0];
         const double rw = dim == 3 ? speed[2][of->k][0] : 0;
         double bw[3], wa[3], ab[3];
-        cross(b, w, bw);
-        c->D0 += of->weight * dot3(a, bw);
+        pl_cross(b, w, bw);
+        c->D0 += of->weight * pl_dot(3, a, bw);
         if (ra == 0 && rb == 0 && rw == 0)
             continue;
-        cross(w, a, wa);
-        cross(a, b, ab);
+        pl_cross(w, a, wa);
+        pl_cross(a, b, ab);
         c->depends = 1;
         for (int d = 0; d < dim; d++)
             c->slope[d] += of->weight * (ra * bw[d] + rb * wa[d] + rw * ab[d]);
@@ -243,7 +234,7 @@ PL_INLINE int fill_ratio(const pl_row_rule *rule, int c, const double way[][3], 
     for (int a = 0, pair = 0; a < 3; a++)
         for (int b = a; b < 3; b++, pair++) {
             const double m = rule->metric[pair] * (a == b ? 1 : 2);
-            row->e += m * dot3(J[a], J[b]);
+            row->e += m * pl_dot(3, J[a], J[b]);
             row->c += m * g[a] * g[b];
             for (int d = 0; d < dim; d++)
                 row->slope_e[d] += 0.5 * m * (g[a] * J[b][d] + g[b] * J[a][d]);
@@ -427,15 +418,6 @@ void pl_marked_destroy(pl_marked *m) {
     *m = (pl_marked){.n = 0};
 }
 
-void pl_marked_use(const pl_marked *m, pl_star_problem *problem) {
-    problem->more = m->n > 0 ? pl_marked_rows : NULL;
-    problem->more_user = m;
-    problem->has_more = m->has_more;
-    problem->max_more = m->max_more;
-    problem->scratch = m->scratch;
-    problem->scratch_stride = m->scratch_stride;
-}
-
 /** Share of each node of the patch in the rows of an element. */
 static double share_of(const pl_marked *m, int64_t element, const pl_cell_type *type) {
     const planish_plan *plan = m->watch->plan;
@@ -460,7 +442,9 @@ static double size_of(const pl_marked *m, int64_t element, const pl_cell_type *t
     return m->size ? sum / n : 1;
 }
 
-int64_t pl_marked_rows(const void *marked, int64_t star, pl_star_row *row) {
+/** Rows of marked elements at a star's node, at the plan's present coordinates (pl_star_more_fn);
+ *  marked: a pl_marked. */
+static int64_t marked_rows(const void *marked, int64_t star, pl_star_row *row) {
     const pl_marked *m = marked;
     const planish_plan *plan = m->watch->plan;
     const int32_t node = plan->interior.centre[star];
@@ -484,4 +468,13 @@ int64_t pl_marked_rows(const void *marked, int64_t star, pl_star_row *row) {
         n += rows;
     }
     return n;
+}
+
+void pl_marked_use(const pl_marked *m, pl_star_problem *problem) {
+    problem->more = m->n > 0 ? marked_rows : NULL;
+    problem->more_user = m;
+    problem->has_more = m->has_more;
+    problem->max_more = m->max_more;
+    problem->scratch = m->scratch;
+    problem->scratch_stride = m->scratch_stride;
 }

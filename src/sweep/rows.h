@@ -19,7 +19,6 @@
  *   pl_row_coefficients            the coefficients alone
  *   pl_row_point                   det J at a point, by these
  *   pl_marked_make, _destroy       elements of a plan whose rows stars shall heed
- *   pl_marked_rows                 those of a star: a pl_star_more_fn
  */
 #ifndef PL_SWEEP_ROWS_H
 #define PL_SWEEP_ROWS_H
@@ -97,10 +96,6 @@ void pl_marked_destroy(pl_marked *marked);
 
 /** Let the rows of the marked elements count in problem, of the interior's stars. */
 void pl_marked_use(const pl_marked *marked, pl_star_problem *problem);
-
-/** Rows of marked elements at a star's node, at the plan's present coordinates (pl_star_more_fn);
- *  marked: a pl_marked. */
-int64_t pl_marked_rows(const void *marked, int64_t star, pl_star_row *row);
 
 /** Find the places of the nodes of an element (of corners: its first one) at the plan's present
  *  coordinates: x [n_nodes][dim]; returns its type. node [n_nodes] (or NULL): the caller's numbers,

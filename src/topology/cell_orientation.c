@@ -60,9 +60,9 @@ typedef struct cell_sets {
     int64_t n_alone, n_crowded; /* facets of one element, of more than two; shared */
 } cell_sets;
 
-static const pl_cell_type *counted_type(const cell_sets *s, int64_t element) {
-    const pl_cell_type *type = pl_cell_type_of(s->cells->type[element]);
-    return type && type->shape->dim == s->dim ? type : NULL;
+const pl_cell_type *pl_counted_type(const planish_cells *cells, int dim, int64_t element) {
+    const pl_cell_type *type = pl_cell_type_of(cells->type[element]);
+    return type && type->shape->dim == dim ? type : NULL;
 }
 
 int pl_cell_facet(const planish_cells *cells, int64_t element, int k, int32_t *node) {
@@ -169,7 +169,7 @@ static void count_chunk(void *context, int64_t begin, int64_t end, int thread) {
     (void)thread;
     memset(s->joins + FACETS * begin, 0, (size_t)(FACETS * (end - begin)) * sizeof *s->joins);
     for (int64_t i = begin; i < end; i++) {
-        const pl_cell_type *type = counted_type(s, i);
+        const pl_cell_type *type = pl_counted_type(s->cells, s->dim, i);
         for (int k = 0; type && k < type->shape->n_facets; k++) {
             const int32_t lowest = lowest_of(s, type->shape, i, k);
             if (lowest >= 0)
@@ -192,7 +192,7 @@ static void list_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const cell_sets *s = context;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
-        const pl_cell_type *type = counted_type(s, i);
+        const pl_cell_type *type = pl_counted_type(s->cells, s->dim, i);
         if (!type || !is_in_round(s, type->shape, i))
             continue;
         for (int k = 0; k < type->shape->n_facets; k++) {
@@ -343,7 +343,7 @@ static void join_all(cell_sets *s) {
 
 /** Sign of an element by its corners together; 0: flat. */
 static int sign_by_corners(const cell_sets *s, int64_t element) {
-    const pl_cell_shape *shape = counted_type(s, element)->shape;
+    const pl_cell_shape *shape = pl_counted_type(s->cells, s->dim, element)->shape;
     const int32_t *node = s->cells->node + s->cells->offset[element];
     double sum = 0;
     for (int c = 0; c < shape->n_measured; c++) {
@@ -382,7 +382,7 @@ static double facet_measure(const cell_sets *s, const pl_cell_shape *shape, cons
 
 /** dim! times the measure of an element. */
 static double measure_of(const cell_sets *s, int64_t element) {
-    const pl_cell_shape *shape = counted_type(s, element)->shape;
+    const pl_cell_shape *shape = pl_counted_type(s->cells, s->dim, element)->shape;
     const int32_t *node = s->cells->node + s->cells->offset[element];
     double sum = 0;
     for (int k = 0; k < shape->n_facets; k++)
@@ -404,14 +404,14 @@ static void measure_chunk(void *context, int64_t begin, int64_t end, int thread)
     const cell_sets *s = context;
     (void)thread;
     for (int64_t i = begin; i < end; i++)
-        s->measure[i] = counted_type(s, i) ? measure_of(s, i) : 0;
+        s->measure[i] = pl_counted_type(s->cells, s->dim, i) ? measure_of(s, i) : 0;
 }
 
 static void find_own_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const cell_sets *s = context;
     (void)thread;
     for (int64_t i = begin; i < end; i++)
-        s->sign[i] = (int8_t)(counted_type(s, i) ? sign_by_corners(s, i) : 0);
+        s->sign[i] = (int8_t)(pl_counted_type(s->cells, s->dim, i) ? sign_by_corners(s, i) : 0);
 }
 
 /** Number the sets: parent becomes the number of each element's set, and flip what it is against
@@ -434,7 +434,7 @@ static int64_t number_sets(cell_sets *s) {
 static void measure_sets(const cell_sets *s, set_count *count) {
     for (int64_t i = 0; i < s->cells->n; i++) {
         set_count *set = &count[s->parent[i]];
-        set->n += counted_type(s, i) != NULL;
+        set->n += pl_counted_type(s->cells, s->dim, i) != NULL;
         set->measure += s->flip[i] * s->measure[i];
         set->size += fabs(s->measure[i]);
     }
@@ -473,7 +473,7 @@ static int find_signs(cell_sets *s, int threads) {
     }
     for (int64_t i = 0; is_there && i < n; i++) {
         const set_count *set = &count[s->parent[i]];
-        const pl_cell_type *type = counted_type(s, i);
+        const pl_cell_type *type = pl_counted_type(s->cells, s->dim, i);
         const int is_alone = set->n == 1 && type && type->shape->n_simplices != 1;
         const int64_t surplus = is_alone ? of_type[s->cells->type[i]] : set->surplus;
         const int is_positive = tells(set) && !is_alone ? set->measure > 0 : surplus >= 0;
@@ -557,7 +557,7 @@ static void hold_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const cell_sets *s = context;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
-        const pl_cell_type *type = counted_type(s, i);
+        const pl_cell_type *type = pl_counted_type(s->cells, s->dim, i);
         const int32_t *node = s->cells->node + s->cells->offset[i];
         for (int j = 0; s->census->is_duplicate[i] && j < type->shape->n_corners; j++)
             pl_set_flag(&s->census->on_boundary[node[j]], 1);

@@ -1,6 +1,7 @@
 /* cells: checks and orientation of elements of any types.
  *
  *   pl_check_cell_fields, pl_check_cells     whether planish_cells are what their comments say
+ *   pl_counted_type                          the type of an element that counts
  *   pl_orient_cells                          the sign of a valid element's det J (cell_orientation.c)
  *   pl_cell_census_find, _destroy            and how many elements share each facet
  *   pl_cell_facets_find                      which elements share each facet
@@ -11,6 +12,8 @@
 
 #include <planish/planish.h>
 
+#include "geometry/cell.h"
+
 /** Check the number of cells, and that all arrays are there. Errors: _ARGUMENT. */
 int pl_check_cell_fields(const planish_cells *cells, planish_error *error);
 
@@ -18,6 +21,9 @@ int pl_check_cell_fields(const planish_cells *cells, planish_error *error);
  *  Simplices with a node twice are refused. In other elements a node may be there twice, as in
  *  hexahedra that have been collapsed to wedges. Errors: _ARGUMENT, _MESH. */
 int pl_check_cells(const planish_cells *cells, int64_t n_nodes, int threads, planish_error *error);
+
+/** Return the type of an element of dimension dim; NULL: the element has another dimension. */
+const pl_cell_type *pl_counted_type(const planish_cells *cells, int dim, int64_t element);
 
 /** Find the sign of det J that each element has where the mesh is valid: that of most elements that
  *  facets join, or of its type if nothing joins it; a simplex that nothing joins is right. sign [n] is

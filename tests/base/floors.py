@@ -4,7 +4,8 @@
 
 A module is NAME.c with NAME.h. A module knows another one if it includes its header, or if its object file
 needs a function or array that the other's defines. No module knows one of a higher floor, or one that its
-floor may not know; modules that know one another are of one folder and at most MOST.
+floor may not know; modules that know one another are of one folder and at most MOST. A function that its file alone
+names is static.
 """
 import collections
 import os
@@ -82,8 +83,8 @@ def module_of(path):
     return os.path.splitext(path)[0]
 
 
-def sources():
-    for top in ("src", "tools"):
+def sources(*tops):
+    for top in tops:
         for folder, _, names in os.walk(os.path.join(ROOT, top)):
             for name in names:
                 if name.endswith((".c", ".h", ".cpp", ".inc")):
@@ -128,6 +129,24 @@ def arrows_of_calls(build):
                 yield module, defined[name], name
 
 
+def functions_alone(build):
+    """Functions that other files could call, and that no file but their own names."""
+    needed, defined, words = set(), {}, collections.Counter()
+    for path, module in objects(build):
+        for line in subprocess.run(["nm", "-P", path], capture_output=True, text=True, check=True).stdout.splitlines():
+            name, kind = line.split()[:2]
+            if kind == "T" and name != "main" and not name.startswith("planish_"):
+                defined[name] = module
+            elif kind == "U":
+                needed.add(name)
+    for path in sources("src", "tools", "tests", "bench", "docs"):
+        if not path.endswith(".h"):
+            with open(os.path.join(ROOT, path), encoding="utf-8", errors="replace") as text:
+                words.update(set(re.findall(r"\w+", text.read())))
+    return sorted((module, name) for name, module in defined.items()
+                  if name not in needed and words[name] == 1)
+
+
 def is_allowed(a, b, names):
     folder, other = floor_of(a), floor_of(b)
     if not folder.startswith("src") or folder.startswith("src/io"):
@@ -165,7 +184,7 @@ def circles(graph):
 def main():
     sys.setrecursionlimit(10000)
     arrows = collections.defaultdict(set)
-    for a, b, name in [*arrows_of_includes(list(sources())), *arrows_of_calls(sys.argv[1])]:
+    for a, b, name in [*arrows_of_includes(list(sources("src", "tools"))), *arrows_of_calls(sys.argv[1])]:
         if a != b and floor_of(a) and floor_of(b):
             arrows[a, b].add(name)
     bad = [(a, b) for a, b in sorted(arrows) if not is_allowed(a, b, arrows[a, b])]
@@ -180,6 +199,9 @@ def main():
         if across or len(circle) > MOST:
             bad.append(circle)
             print(f"a circle{' across folders' if across else ''} of {len(circle)}: {', '.join(circle)}")
+    for module, name in functions_alone(sys.argv[1]):
+        bad.append(name)
+        print(f"{name} must be static: {module} alone names it")
     print(f"{len(arrows)} arrows, {len(bad)} that must not be")
     return bool(bad)
 

@@ -71,10 +71,10 @@ static pl_arguments arguments_of(const pl_arguments *arguments, const way *w) {
 
 /** Take the figures of the mesh before or after smoothing. */
 static void take_figures(way *w, const pl_job *job, const planish_quality *quality,
-                         const pl_validity *validity) {
+                         const pl_cells_validity *validity) {
     const planish_cell_measures *all = &validity->quality.all;
     w->is_done = 1;
-    w->inverted = pl_validity_faults(validity, quality);
+    w->inverted = pl_cells_validity_faults(validity, quality);
     w->worst = job->has_types ? all->max_aspect_ratio : quality->max_radius_ratio;
     w->least = job->has_types ? all->min_scaled_jacobian : quality->min_angle_deg;
     w->rms = job->has_types ? all->rms_aspect_ratio : quality->rms_radius_ratio;

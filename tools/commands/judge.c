@@ -74,8 +74,8 @@ static void judge_unfixable(const pl_job *job, pl_result *result) {
 /** Add why inverted elements are left. */
 static void judge_inverted(const pl_job *job, pl_result *result) {
     const pl_unfixable *unfixable = &result->unfixable;
-    const pl_validity *validity = &result->validity_after;
-    const int64_t inverted = pl_validity_faults(validity, &result->after);
+    const pl_cells_validity *validity = &result->validity_after;
+    const int64_t inverted = pl_cells_validity_faults(validity, &result->after);
     const planish_method method = job->options.method;
     if (inverted == 0)
         return;
@@ -88,11 +88,12 @@ static void judge_inverted(const pl_job *job, pl_result *result) {
         return;
     }
     if (method != PLANISH_METHOD_PLANISH)
-        add_reason(
-            result,
-            "%" PRId64 " element%s inverted, %" PRId64 " before: the method %s may invert elements",
-            inverted, is_or_are(inverted),
-            pl_validity_faults(&result->validity_before, &result->before), pl_method_name(method));
+        add_reason(result,
+                   "%" PRId64 " element%s inverted, %" PRId64
+                   " before: the method %s may invert elements",
+                   inverted, is_or_are(inverted),
+                   pl_cells_validity_faults(&result->validity_before, &result->before),
+                   pl_method_name(method));
     else
         add_reason(result, "%" PRId64 " inverted element%s left", inverted, is_or_are(inverted));
     judge_holders(job, result);

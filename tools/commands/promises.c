@@ -25,13 +25,14 @@ static const double SURFACE_ROUNDING = 1e-6;
 
 /** Whether the mesh was valid, so that its worst element counts. */
 static int was_valid(const pl_result *result) {
-    return pl_validity_faults(&result->validity_before, &result->before) == 0 &&
+    return pl_cells_validity_faults(&result->validity_before, &result->before) == 0 &&
            result->below_before == 0;
 }
 
 /** Whether an element was valid with its mid-side nodes, and is not so now. What untangles elements of
  *  other types may leave others not valid, but no more of them. */
-static int is_newly_invalid(const pl_validity *before, const pl_validity *after, int64_t element) {
+static int is_newly_invalid(const pl_cells_validity *before, const pl_cells_validity *after,
+                            int64_t element) {
     return after->is_known && before->state[element] == PLANISH_CELL_STATE_VALID &&
            after->state[element] != PLANISH_CELL_STATE_VALID;
 }
@@ -39,13 +40,13 @@ static int is_newly_invalid(const pl_validity *before, const pl_validity *after,
 /** Name of the first measure that after has worse than the promises allow, or NULL; its values
  *  *from and *to. */
 static const char *find_broken(const pl_job *job, const pl_result *result,
-                               const planish_quality *after, const pl_validity *validity,
+                               const planish_quality *after, const pl_cells_validity *validity,
                                double *from, double *to) {
     const planish_quality *before = &result->before;
     /* AR is a mean over corners; of a surface in space sweeps and table have formulas of their own */
     const double slack = job->is_surface ? SURFACE_ROUNDING : job->has_types ? F_ROUNDING : 0;
-    *from = (double)pl_validity_faults(&result->validity_before, before);
-    *to = (double)pl_validity_faults(validity, after);
+    *from = (double)pl_cells_validity_faults(&result->validity_before, before);
+    *to = (double)pl_cells_validity_faults(validity, after);
     if (!job->has_types) {
         *from = (double)before->n_inverted;
         *to = (double)after->n_inverted;
@@ -107,7 +108,7 @@ int pl_promises_check(const pl_job *job, const pl_result *result) {
 
 /** Whether an element breaks a promise: it is inverted, newly invalid, or worse than the worst
  *  was. */
-static int breaks(const pl_result *result, const pl_validity *now, const double *ratio,
+static int breaks(const pl_result *result, const pl_cells_validity *now, const double *ratio,
                   int64_t element) {
     return ratio[element] == 0 || is_newly_invalid(&result->validity_before, now, element) ||
            (was_valid(result) && ratio[element] > result->before.max_radius_ratio_movable);
@@ -115,7 +116,7 @@ static int breaks(const pl_result *result, const pl_validity *now, const double 
 
 /** Let the corners of elements that break promises go back, or all nodes if that changes nothing or
  *  is_last; mids follow. */
-static void mark_back(const pl_job *job, const pl_result *result, const pl_validity *now,
+static void mark_back(const pl_job *job, const pl_result *result, const pl_cells_validity *now,
                       const double *ratio, int is_last, uint8_t *back) {
     int any = 0, n;
     for (int64_t i = 0; i < job->mesh.n_elements; i++) {
@@ -138,13 +139,13 @@ static int settle_once(pl_job *job, pl_result *result, int is_last, uint8_t *bac
     double *coordinates = planish_file_coordinates(job->file), from, to;
     planish_error error;
     planish_quality after;
-    pl_validity now = {.is_known = 0};
+    pl_cells_validity now = {.is_known = 0};
     int64_t n = 0;
     int code = planish_file_round_in_plane(job->file, coordinates, back, &n, &error);
     result->returned_nodes += n;
     if (!code)
         code = job->engine->measure(job, &after, &error);
-    int status = code ? 0 : pl_validity_find(job, &now);
+    int status = code ? 0 : pl_cells_validity_find(job, &now);
     *is_broken = !code && !status && find_broken(job, result, &after, &now, &from, &to);
     if (*is_broken)
         code = job->engine->measure_elements(job, ratio, &error);
@@ -152,7 +153,7 @@ static int settle_once(pl_job *job, pl_result *result, int is_last, uint8_t *bac
         status = pl_job_complain(job, PL_EXIT_FAILED, &error);
     else if (*is_broken)
         mark_back(job, result, &now, ratio, is_last, back);
-    pl_validity_free(&now);
+    pl_cells_validity_free(&now);
     return status;
 }
 

@@ -88,7 +88,7 @@ static int begin_again(pl_job *job, pl_result *result, pl_listeners *to) {
         return status;
     if ((status = pl_held_count(job)))
         return status;
-    pl_validity_free(&result->validity_before);
+    pl_cells_validity_free(&result->validity_before);
     if ((status = pl_measure_valid(job, &result->before, &result->validity_before)))
         return status;
     return pl_history_begin(job, result->picture, &to->history);
@@ -179,7 +179,8 @@ static void rounds_free(rounds *r) {
 
 static int begin_rounds(const pl_job *job, const pl_result *result, rounds *r) {
     *r = (rounds){.in_layer = malloc((size_t)job->mesh.n_nodes + 1),
-                  .is_tangled = pl_validity_faults(&result->validity_before, &result->before) > 0};
+                  .is_tangled =
+                      pl_cells_validity_faults(&result->validity_before, &result->before) > 0};
     return r->in_layer ? 0 : pl_job_complain_memory(job, "values of nodes");
 }
 

@@ -98,7 +98,7 @@ static void print_plan(const pl_job *job) {
 }
 
 /** Collect for the reports the mesh as it is now, called name. */
-static int take_for_reports(const pl_job *job, const char *name, const pl_validity *validity,
+static int take_for_reports(const pl_job *job, const char *name, const pl_cells_validity *validity,
                             uint64_t *checksum, pl_worst *worst, pl_picture **picture) {
     pl_cells cells = {.has_others = job->has_types};
     if (!job->mesh.coordinates)
@@ -186,9 +186,9 @@ static int check_result(pl_job *job, pl_result *result) {
         return status;
     if ((status = pl_volumes_find(job, smooth->min_volume, smooth, &result->volumes)))
         return status;
-    const int64_t n_inverted = job->has_types
-                                   ? pl_validity_faults(&result->validity_after, &result->after)
-                                   : result->after.n_inverted;
+    const int64_t n_inverted =
+        job->has_types ? pl_cells_validity_faults(&result->validity_after, &result->after)
+                       : result->after.n_inverted;
     if ((status = pl_unfixable_find(job, n_inverted, smooth, &result->unfixable)))
         return status;
     if ((status = pl_unfixable_add_inside(job, &result->validity_after, smooth->n_infeasible_curved,
@@ -286,8 +286,8 @@ int pl_steps_compare(pl_job *job, const planish_file *after, pl_result *result,
 }
 
 void pl_steps_free(pl_result *result) {
-    pl_validity_free(&result->validity_before);
-    pl_validity_free(&result->validity_after);
+    pl_cells_validity_free(&result->validity_before);
+    pl_cells_validity_free(&result->validity_after);
     pl_volumes_free(&result->volumes);
     pl_unfixable_free(&result->unfixable);
     pl_reversed_free(&result->reversed);

@@ -22,7 +22,6 @@ set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
 set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
 set(CPACK_DEBIAN_PACKAGE_SOURCE planish)
 set(FULL_VERSION ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})
-set(ABI ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 set(ABOUT "planish moves the nodes of meshes of triangles, tetrahedra and elements
 of other types. Inverted elements become valid where that is possible, and
 no element gets worse than the worst was. Connectivity and all else in a
@@ -41,7 +40,7 @@ planish_package(PROGRAM planish math "smooth and untangle meshes in files"
   "This package has the program, which reads and writes the formats of many\nmesh generators.")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
 
-planish_package(LIBRARY libplanish${ABI} libs "smooth and untangle meshes: shared libraries"
+planish_package(LIBRARY libplanish${PLANISH_ABI} libs "smooth and untangle meshes: shared libraries"
   "This package has the library for arrays of the caller, and the one for\nfiles of meshes.")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
@@ -51,7 +50,7 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR})
 
 planish_package(DEVELOPMENT libplanish-dev libdevel "smooth and untangle meshes: development files"
   "This package has headers, static libraries, and what CMake and pkg-config\nneed.")
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libplanish${ABI} (= ${FULL_VERSION})")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libplanish${PLANISH_ABI} (= ${FULL_VERSION})")
 # Static libraries alone need these.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS
   "libhwloc-dev, libexpat1-dev, zlib1g-dev, liblz4-dev, liblzma-dev, libhdf5-dev")
@@ -61,7 +60,7 @@ planish_package(PYTHON python3-planish python "smooth and untangle meshes: Pytho
   "This package has the module, for arrays of numpy and meshes of meshio and\npyvista.")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
-  "libplanish${ABI} (>= ${PROJECT_VERSION}), python3, python3-numpy")
+  "libplanish${PLANISH_ABI} (>= ${PROJECT_VERSION}), python3, python3-numpy")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS python3-meshio)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA
   ${CMAKE_CURRENT_SOURCE_DIR}/debian/postinst ${CMAKE_CURRENT_SOURCE_DIR}/debian/prerm)

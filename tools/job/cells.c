@@ -120,7 +120,7 @@ int pl_cells_measure(const pl_job *job, pl_cells *cells) {
 
 /** Mark the elements that are not valid though their corners are positive. corner [n_elements]: above
  *  0 where they are. */
-static void mark_inside(const pl_job *job, const double *corner, pl_validity *validity) {
+static void mark_inside(const pl_job *job, const double *corner, pl_cells_validity *validity) {
     for (int64_t i = 0; i < job->mesh.n_elements; i++)
         if (validity->state[i] != PLANISH_CELL_STATE_VALID && corner[i] > 0) {
             validity->state[i] = PL_INVERTED_INSIDE;
@@ -128,10 +128,10 @@ static void mark_inside(const pl_job *job, const double *corner, pl_validity *va
         }
 }
 
-int pl_validity_find(const pl_job *job, pl_validity *validity) {
+int pl_cells_validity_find(const pl_job *job, pl_cells_validity *validity) {
     const size_t n = (size_t)job->mesh.n_elements + 1;
     planish_error error;
-    *validity = (pl_validity){.is_known = job->mesh.cells != NULL};
+    *validity = (pl_cells_validity){.is_known = job->mesh.cells != NULL};
     if (!validity->is_known)
         return 0;
     double *corner = malloc(n * sizeof *corner);
@@ -154,7 +154,7 @@ int pl_validity_find(const pl_job *job, pl_validity *validity) {
     return code ? pl_job_complain(job, PL_EXIT_FAILED, &error) : 0;
 }
 
-void pl_validity_free(pl_validity *validity) {
+void pl_cells_validity_free(pl_cells_validity *validity) {
     free(validity->state);
     free(validity->aspect_ratio);
     validity->state = NULL;
@@ -202,7 +202,8 @@ int pl_cells_find_faults(const pl_job *job, uint8_t **is_faulty) {
     return status;
 }
 
-int64_t pl_validity_faults(const pl_validity *validity, const planish_quality *quality) {
+int64_t pl_cells_validity_faults(const pl_cells_validity *validity,
+                                 const planish_quality *quality) {
     const planish_cell_measures *all = &validity->quality.all;
     return validity->is_known ? all->n_inverted + all->n_uncertified : quality->n_inverted;
 }

@@ -1,13 +1,13 @@
 /* cells: the elements of every type that a mesh file has.
  *
- *     pl_cells_measure, _free     their quality, where some are no straight simplices
- *     pl_validity_find, _free     which elements are valid, where not all are straight simplices
- *     pl_cells_measure_elements   radius ratios
- *     pl_cells_measure_values     other values of elements
- *     pl_cells_convert            a copy for viewing, with their measures
- *     pl_cells_rounding           how far off rounding takes nodes
- *     pl_cells_find_states        planish_cell_state of each
- *     pl_cells_find_faults        those that are not valid
+ *     pl_cells_measure, _free         their quality, where some are no straight simplices
+ *     pl_cells_validity_find, _free   which elements are valid, where not all are straight simplices
+ *     pl_cells_measure_elements       radius ratios
+ *     pl_cells_measure_values         other values of elements
+ *     pl_cells_convert                a copy for viewing, with their measures
+ *     pl_cells_rounding               how far off rounding takes nodes
+ *     pl_cells_find_states            planish_cell_state of each
+ *     pl_cells_find_faults            those that are not valid
  *
  * Functions that return an int return 0, or an exit status after a message.
  */
@@ -36,7 +36,7 @@ enum { PL_INVERTED_INSIDE = 4 };
 
 /** Validity of the elements of a mesh that are not all straight simplices: decided for every point of
  *  an element, with its mid-side nodes. */
-typedef struct pl_validity {
+typedef struct pl_cells_validity {
     int is_known;                 /* 0: all are straight simplices, and nothing else is set */
     planish_cell_quality quality; /* ratios over no element are NAN */
     planish_size_quality sizes;   /* where sizes are asked for */
@@ -44,13 +44,13 @@ typedef struct pl_validity {
                                      PL_INVERTED_INSIDE; owned */
     double *aspect_ratio;         /* [mesh.n_elements] 0: not valid; owned */
     int64_t n_inside;             /* of PL_INVERTED_INSIDE */
-} pl_validity;
+} pl_cells_validity;
 
 /** Find out which elements of the mesh are valid as it is now. validity is to be freed also after an
  *  error. */
-int pl_validity_find(const pl_job *job, pl_validity *validity);
+int pl_cells_validity_find(const pl_job *job, pl_cells_validity *validity);
 
-void pl_validity_free(pl_validity *validity);
+void pl_cells_validity_free(pl_cells_validity *validity);
 
 /** Find the state of each element of job->mesh, which has cells: *state [mesh.n_elements] of
  *  planish_cell_state, to be freed by the caller. */
@@ -61,7 +61,7 @@ int pl_cells_find_states(const pl_job *job, uint8_t **state);
 int pl_cells_find_faults(const pl_job *job, uint8_t **is_faulty);
 
 /** Elements that are inverted, or not known to be valid: quality is of the same mesh. */
-int64_t pl_validity_faults(const pl_validity *validity, const planish_quality *quality);
+int64_t pl_cells_validity_faults(const pl_cells_validity *validity, const planish_quality *quality);
 
 /** Find the radius ratios of the elements [mesh.n_elements] by their corners, or their aspect ratios
  *  where job->has_types; 0: the element is inverted, perhaps by its mid-side nodes. Returns a

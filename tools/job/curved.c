@@ -177,7 +177,8 @@ int pl_curved_measure(const pl_job *job, planish_shape_distance *distance) {
                : 0;
 }
 
-int pl_curved_is_above(const pl_job *job, double factor, double distance, double in_edges) {
+/** Whether a distance, absolute and in edges, is above factor times the tolerance in its unit. */
+static int is_above(const pl_job *job, double factor, double distance, double in_edges) {
     const double usual = 0.05; /* planish_options.surface_tolerance */
     const planish_options *options = &job->options;
     const double rounding = 1e-9;
@@ -290,12 +291,12 @@ void pl_curved_note_result(FILE *stream, const pl_job *job, const pl_surface_sta
                 "planish could not prove the distance from the original surface for %" PRId64
                 " facet%s: look at the result there, or give a smaller --surface-tolerance",
                 d->n_unproved, d->n_unproved == 1 ? "" : "s");
-    if (pl_curved_is_above(job, MOST_THERE, d->distance, d->in_edges))
+    if (is_above(job, MOST_THERE, d->distance, d->in_edges))
         pl_note(stream,
                 "the surface is up to %.3g (%.3g h) off the original one, above the tolerance: "
                 "some parts were that far off before, and planish left them there",
                 d->distance, d->in_edges);
-    if (pl_curved_is_above(job, MOST_BACK, d->distance_back, d->back_in_edges))
+    if (is_above(job, MOST_BACK, d->distance_back, d->back_in_edges))
         pl_note(stream,
                 "the original surface is up to %.3g (%.3g h) off the new one, more than "
                 "%g tolerances: give a smaller --surface-tolerance",

@@ -70,10 +70,6 @@ int pl_volumes_of_regions(const pl_job *job, int has_before, pl_surface_state *s
 /** Release what state owns. */
 void pl_surface_state_free(pl_surface_state *state);
 
-/** The tolerance in the unit of the other number of a distance: whether a distance, absolute and in
- *  edges, is above factor times it. */
-int pl_curved_is_above(const pl_job *job, double factor, double distance, double in_edges);
-
 /** Note what stays although it is curved, and why: a line for each reason that the mesh has. */
 void pl_curved_note_held(FILE *stream, const pl_job *job, int64_t n_curved, int64_t n_inverted);
 

@@ -107,7 +107,7 @@ static int count_held(pl_job *job, const uint8_t *mark) {
     uint16_t *bits;
     const int status = pl_held_find(job, &bits);
     for (int64_t i = 0; bits && i < job->mesh.n_nodes; i++)
-        job->n_between_entities += mark[i] == 1 && bits[i] == 1 << PL_HELD_BY_INTERFACE;
+        job->n_between_entities += mark[i] == 1 && bits[i] == 1 << PL_CAUSE_INTERFACE;
     free(bits);
     return status;
 }

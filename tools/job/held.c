@@ -1,7 +1,7 @@
 /* held: why nodes do not move: what the plan, the file and the options say, put together.
  *
  * A node may have several reasons. It is counted once, by the first of them in the order of
- * pl_held_by.
+ * pl_hold_cause.
  */
 #include "job/held.h"
 
@@ -17,25 +17,25 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const names[PL_N_HELD_BY] = {
+static const char *const names[PL_N_CAUSES] = {
     "boundary",  "lines_and_points", "faces_inside",   "interface",   "other_elements", "periodic",
     "fix",       "required",         "doubled_points", "nonmanifold", "layers",         "wrapped",
     "not_chosen"};
 
 /** Behind a number of nodes. */
-static const char *const words[PL_N_HELD_BY] = {"on the boundary",
-                                                "on lines or points of the file",
-                                                "on faces that the file lists inside the mesh",
-                                                "between regions",
-                                                "on elements of other types",
-                                                "on periodic sides",
-                                                "in groups of --fix",
-                                                "required by the file",
-                                                "at the place of other nodes",
-                                                "where the mesh is not manifold",
-                                                "on thin layers",
-                                                "on elements that wrap around the domain",
-                                                "not chosen by --only-worse-than"};
+static const char *const words[PL_N_CAUSES] = {"on the boundary",
+                                               "on lines or points of the file",
+                                               "on faces that the file lists inside the mesh",
+                                               "between regions",
+                                               "on elements of other types",
+                                               "on periodic sides",
+                                               "in groups of --fix",
+                                               "required by the file",
+                                               "at the place of other nodes",
+                                               "where the mesh is not manifold",
+                                               "on thin layers",
+                                               "on elements that wrap around the domain",
+                                               "not chosen by --only-worse-than"};
 
 const char *pl_held_name(int reason) {
     return names[reason];
@@ -53,21 +53,21 @@ typedef struct translation {
     uint16_t to;
 } translation;
 
-static const translation of_plan[] = {{PLANISH_HELD_BOUNDARY, 1 << PL_HELD_BY_BOUNDARY},
-                                      {PLANISH_HELD_PERIODIC, 1 << PL_HELD_BY_PERIODIC},
-                                      {PLANISH_HELD_DOUBLED, 1 << PL_HELD_BY_DOUBLED},
-                                      {PLANISH_HELD_NONMANIFOLD, 1 << PL_HELD_BY_NONMANIFOLD},
-                                      {PLANISH_HELD_WRAPPED, 1 << PL_HELD_BY_WRAPPED},
-                                      {PLANISH_HELD_NOT_CHOSEN, 1 << PL_HELD_BY_NOT_CHOSEN},
+static const translation of_plan[] = {{PLANISH_HELD_BOUNDARY, 1 << PL_CAUSE_BOUNDARY},
+                                      {PLANISH_HELD_PERIODIC, 1 << PL_CAUSE_PERIODIC},
+                                      {PLANISH_HELD_DOUBLED, 1 << PL_CAUSE_DOUBLED},
+                                      {PLANISH_HELD_NONMANIFOLD, 1 << PL_CAUSE_NONMANIFOLD},
+                                      {PLANISH_HELD_WRAPPED, 1 << PL_CAUSE_WRAPPED},
+                                      {PLANISH_HELD_NOT_CHOSEN, 1 << PL_CAUSE_NOT_CHOSEN},
                                       {PLANISH_HELD_UNUSED, PL_HELD_NOT_USED}};
 
-static const translation of_file[] = {{PLANISH_FILE_LINE_OR_POINT, 1 << PL_HELD_BY_LINE},
-                                      {PLANISH_FILE_FACE, 1 << PL_HELD_BY_FACE},
-                                      {PLANISH_FILE_INTERFACE, 1 << PL_HELD_BY_INTERFACE},
-                                      {PLANISH_FILE_OTHER_ELEMENT, 1 << PL_HELD_BY_OTHER},
-                                      {PLANISH_FILE_PERIODIC, 1 << PL_HELD_BY_PERIODIC},
-                                      {PLANISH_FILE_FIX, 1 << PL_HELD_BY_FIX},
-                                      {PLANISH_FILE_REQUIRED, 1 << PL_HELD_BY_REQUIRED}};
+static const translation of_file[] = {{PLANISH_FILE_LINE_OR_POINT, 1 << PL_CAUSE_LINE},
+                                      {PLANISH_FILE_FACE, 1 << PL_CAUSE_FACE},
+                                      {PLANISH_FILE_INTERFACE, 1 << PL_CAUSE_INTERFACE},
+                                      {PLANISH_FILE_OTHER_ELEMENT, 1 << PL_CAUSE_OTHER},
+                                      {PLANISH_FILE_PERIODIC, 1 << PL_CAUSE_PERIODIC},
+                                      {PLANISH_FILE_FIX, 1 << PL_CAUSE_FIX},
+                                      {PLANISH_FILE_REQUIRED, 1 << PL_CAUSE_REQUIRED}};
 
 static uint16_t translate(const translation *table, size_t n, uint8_t bits) {
     uint16_t result = 0;
@@ -98,7 +98,7 @@ static void mark_mids(const pl_job *job, uint16_t *bits) {
 /** Fill bits with all reasons; scratch [n_nodes]. */
 static int find_reasons(const pl_job *job, uint8_t *scratch, uint16_t *bits) {
     const planish_hold hold = pl_job_hold(job);
-    const uint16_t all = (1 << PL_N_HELD_BY) - 1;
+    const uint16_t all = (1 << PL_N_CAUSES) - 1;
     const int64_t n = job->mesh.n_nodes;
     planish_error error;
     /* Those of the plan; a node that it was told to fix has a mark, until others say why. */
@@ -120,10 +120,10 @@ static int find_reasons(const pl_job *job, uint8_t *scratch, uint16_t *bits) {
     pl_job_hold_layers(job, scratch);
     for (int64_t i = 0; i < n; i++) {
         if (bits[i] && scratch[i] == PLANISH_CONSTRAINT_FIXED)
-            bits[i] |= 1 << PL_HELD_BY_LAYERS;
+            bits[i] |= 1 << PL_CAUSE_LAYERS;
         /* The slides hold some that nobody has a reason for. */
         if ((bits[i] & PL_HELD_TOLD) && !(bits[i] & all))
-            bits[i] |= 1 << PL_HELD_BY_REQUIRED;
+            bits[i] |= 1 << PL_CAUSE_REQUIRED;
         if (bits[i] & PL_HELD_NOT_USED)
             bits[i] = PL_HELD_NOT_USED;
         bits[i] &= (uint16_t)~PL_HELD_TOLD;
@@ -166,18 +166,18 @@ int pl_held_count(pl_job *job) {
     if (!status && job->layers.n_held > 0)
         status = pl_job_need_released_by(job);
     for (int64_t i = 0; !status && bits && i < job->mesh.n_nodes; i++) {
-        if (job->layers.n_held > 0 && bits[i] == 1 << PL_HELD_BY_LAYERS)
+        if (job->layers.n_held > 0 && bits[i] == 1 << PL_CAUSE_LAYERS)
             job->released_by[i] |= PL_RELEASED_BY_LAYERS;
         int reason = 0;
-        while (reason < PL_N_HELD_BY && !(bits[i] >> reason & 1))
+        while (reason < PL_N_CAUSES && !(bits[i] >> reason & 1))
             reason++;
         held->n_mids += (bits[i] & PL_HELD_FOLLOWS) != 0;
         held->n_unused += (bits[i] & PL_HELD_NOT_USED) != 0;
-        if (reason == PL_N_HELD_BY) /* it moves, or is of no element */
+        if (reason == PL_N_CAUSES) /* it moves, or is of no element */
             continue;
         held->n[reason]++;
         held->n_held++;
-        held->n_doubled += bits[i] >> PL_HELD_BY_DOUBLED & 1;
+        held->n_doubled += bits[i] >> PL_CAUSE_DOUBLED & 1;
     }
     held->is_known = bits != NULL;
     free(bits);
@@ -246,20 +246,20 @@ static void append(char *text, size_t size, const char *format, ...) {
 static void add_counts(const pl_job *job, char *text, size_t size) {
     const pl_held *held = &job->held;
     int listed = 0;
-    for (int i = 0; i < PL_N_HELD_BY; i++)
+    for (int i = 0; i < PL_N_CAUSES; i++)
         if (held->n[i] > 0) {
             append(text, size, "%s%" PRId64 "%s %s", listed ? ", " : "", held->n[i],
                    listed           ? ""
                    : held->n[i] > 1 ? " nodes are"
                                     : " node is",
-                   i == PL_HELD_BY_BOUNDARY && job->is_surface ? "at corners" : words[i]);
+                   i == PL_CAUSE_BOUNDARY && job->is_surface ? "at corners" : words[i]);
             listed++;
         }
 }
 
 static void add_doubled(const pl_job *job, char *text, size_t size) {
     const int64_t n = job->held.n_doubled, n_used = job->mesh.n_nodes - job->held.n_unused;
-    if (n > 0 && n != job->held.n[PL_HELD_BY_DOUBLED])
+    if (n > 0 && n != job->held.n[PL_CAUSE_DOUBLED])
         append(text, size, "; %" PRId64 " of them %s at the place of other nodes%s", n,
                n == 1 ? "is" : "are",
                n_used == job->mesh.n_elements * (pl_job_element_dim(job) + 1)
@@ -296,11 +296,11 @@ void pl_held_explain(const pl_job *job, char *text, size_t size) {
         append(text, size, ": merge equal points first");
     else if (job->could_slide > 0)
         append(text, size, ": --slide auto lets %" PRId64 " of them slide", job->could_slide);
-    else if (held->n[PL_HELD_BY_LAYERS] > 0)
+    else if (held->n[PL_CAUSE_LAYERS] > 0)
         append(text, size, ": --layers ignore lets those on thin layers move");
-    else if (held->n[PL_HELD_BY_FIX] > 0)
+    else if (held->n[PL_CAUSE_FIX] > 0)
         append(text, size, ": name fewer groups in --fix");
-    else if (held->n[PL_HELD_BY_INTERFACE] > 0)
+    else if (held->n[PL_CAUSE_INTERFACE] > 0)
         append(text, size, ": --ignore-regions lets nodes between regions move");
 }
 

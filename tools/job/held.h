@@ -22,7 +22,7 @@ const char *pl_held_text(int reason);
  * because nothing can move. There is a plan. Returns 0, or an exit status after a message. */
 int pl_held_count(pl_job *job);
 
-/** All reasons of each node, as bits 1 << pl_held_by; bits [n_nodes] is to be freed, and NULL if
+/** All reasons of each node, as bits 1 << pl_hold_cause; bits [n_nodes] is to be freed, and NULL if
  *  they are not known. Returns as pl_held_count. */
 int pl_held_find(const pl_job *job, uint16_t **bits);
 

@@ -1,4 +1,4 @@
-/* job: the part that smooth and quality share: a mesh file, the nodes it holds, and a plan for it.
+/* job: what all commands on a mesh share: its file, the nodes that this holds, and a plan.
  *
  *     pl_job_read, _close                  the file, with constraints, minimum volumes and the box
  *     pl_job_find_slides, _count_slides    nodes that slide, or could

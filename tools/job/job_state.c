@@ -30,7 +30,7 @@ int64_t pl_job_element_number(const pl_job *job, int64_t element) {
     return job->file ? planish_file_element_number(job->file, element) : element;
 }
 
-void pl_box_widen(pl_box *box, int dim, const double *x, int64_t n) {
+void pl_job_box_widen(pl_job_box *box, int dim, const double *x, int64_t n) {
     for (int d = 0; d < dim; d++) {
         double low = box->is_known ? box->low[d] : INFINITY;
         double high = box->is_known ? box->high[d] : -INFINITY;

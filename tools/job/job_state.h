@@ -2,7 +2,7 @@
  *
  *     pl_job_hold, _region_arrays          how options hold nodes; arrays that tell regions
  *     pl_job_element_dim, _corners, _element_number    its elements
- *     pl_box_widen                              a box
+ *     pl_job_box_widen                              a box
  *     pl_job_complain, _complain_memory    messages on errors of the library, and of memory
  */
 #ifndef PL_TOOLS_JOB_STATE_H
@@ -39,23 +39,23 @@ typedef struct pl_wanted_heights {
 } pl_wanted_heights;
 
 /** Why a node is held, in the order in which reasons count. A node may have several; as bits they
- * are 1 << pl_held_by. */
-typedef enum pl_held_by {
-    PL_HELD_BY_BOUNDARY,
-    PL_HELD_BY_LINE, /* or point, of the file */
-    PL_HELD_BY_FACE, /* of the file, inside the mesh */
-    PL_HELD_BY_INTERFACE,
-    PL_HELD_BY_OTHER, /* element, of a type that is not smoothed */
-    PL_HELD_BY_PERIODIC,
-    PL_HELD_BY_FIX,
-    PL_HELD_BY_REQUIRED,
-    PL_HELD_BY_DOUBLED,
-    PL_HELD_BY_NONMANIFOLD,
-    PL_HELD_BY_LAYERS,
-    PL_HELD_BY_WRAPPED,
-    PL_HELD_BY_NOT_CHOSEN,
-    PL_N_HELD_BY
-} pl_held_by;
+ * are 1 << pl_hold_cause. */
+typedef enum pl_hold_cause {
+    PL_CAUSE_BOUNDARY,
+    PL_CAUSE_LINE, /* or point, of the file */
+    PL_CAUSE_FACE, /* of the file, inside the mesh */
+    PL_CAUSE_INTERFACE,
+    PL_CAUSE_OTHER, /* element, of a type that is not smoothed */
+    PL_CAUSE_PERIODIC,
+    PL_CAUSE_FIX,
+    PL_CAUSE_REQUIRED,
+    PL_CAUSE_DOUBLED,
+    PL_CAUSE_NONMANIFOLD,
+    PL_CAUSE_LAYERS,
+    PL_CAUSE_WRAPPED,
+    PL_CAUSE_NOT_CHOSEN,
+    PL_N_CAUSES
+} pl_hold_cause;
 
 /* Bits beside those: the node is a mid-side node, and follows; it is of no element; its
  * constraint fixes it. */
@@ -65,7 +65,7 @@ enum { PL_HELD_FOLLOWS = 1 << 13, PL_HELD_NOT_USED = 1 << 14, PL_HELD_TOLD = 1 <
  * slide are all nodes. */
 typedef struct pl_held {
     int is_known; /* 0: nobody asked, or several processes have the mesh */
-    int64_t n[PL_N_HELD_BY];
+    int64_t n[PL_N_CAUSES];
     int64_t n_held;    /* their sum */
     int64_t n_mids;    /* mid-side nodes that nothing holds: they follow */
     int64_t n_unused;  /* nodes of no element */
@@ -93,10 +93,10 @@ typedef struct pl_onto {
 } pl_onto;
 
 /** A box along the axes of a mesh. */
-typedef struct pl_box {
+typedef struct pl_job_box {
     int is_known; /* 0: nothing else is set */
     double low[3], high[3];
-} pl_box;
+} pl_job_box;
 
 /** Messages between the processes that share a mesh, summed over them. */
 typedef struct pl_traffic {
@@ -141,7 +141,7 @@ typedef struct pl_job {
     pl_curved curved;
     pl_onto onto;
     pl_like like;
-    pl_box goal; /* where the nodes will be, as far as that is known beforehand; for pictures */
+    pl_job_box goal; /* where the nodes will be, as far as that is known beforehand; for pictures */
     int64_t could_slide;  /* nodes that would with --slide auto; -1: not looked for */
     uint8_t *released_by; /* [mesh.n_nodes] bits PL_RELEASED_BY_ of held nodes; owned, or NULL: not
                                   looked for */
@@ -178,7 +178,7 @@ const int32_t *pl_job_corners(const pl_job *job, int64_t element, int *n);
 int64_t pl_job_element_number(const pl_job *job, int64_t element);
 
 /** Widen box to hold n places x [n][dim]. */
-void pl_box_widen(pl_box *box, int dim, const double *x, int64_t n);
+void pl_job_box_widen(pl_job_box *box, int dim, const double *x, int64_t n);
 
 /** Message for an error of the library: the text, and which file if it does not say so. */
 int pl_job_complain(const pl_job *job, int status, const planish_error *error);

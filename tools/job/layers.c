@@ -213,7 +213,7 @@ static void put_count(const pl_job *job, int64_t n, char *text, size_t size) {
 /** Say how many elements are held or kept by default. */
 static void print_default(FILE *stream, const pl_job *job) {
     const pl_layers *layers = &job->layers;
-    const int64_t n_nodes = job->held.n[PL_HELD_BY_LAYERS];
+    const int64_t n_nodes = job->held.n[PL_CAUSE_LAYERS];
     char count[64];
     put_count(job, layers->n_kept + layers->n_held, count, sizeof count); /* one of these is 0 */
     if (layers->n_kept > 0)

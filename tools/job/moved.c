@@ -133,14 +133,14 @@ int pl_moved_bound(pl_job *job, const planish_file *after) {
     planish_file_plane(job->file, &plane);
     planish_file_plane(after, &other);
     if (!plane.is_tilted && !other.is_tilted) {
-        pl_box_widen(&job->goal, mesh.dim, mesh.coordinates, mesh.n_nodes);
+        pl_job_box_widen(&job->goal, mesh.dim, mesh.coordinates, mesh.n_nodes);
         return 0;
     }
     double *place = find_places(after);
     for (int64_t i = 0; i < mesh.n_nodes && place; i++) {
         double x[2];
         put_in_plane(&plane, place + SPACE * i, x);
-        pl_box_widen(&job->goal, 2, x, 1);
+        pl_job_box_widen(&job->goal, 2, x, 1);
     }
     const int status = place ? 0 : pl_job_complain_memory(job, "the places of nodes");
     free(place);

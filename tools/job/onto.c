@@ -85,7 +85,7 @@ static int take_flat(pl_job *job, planish_file *file, planish_mesh *mesh, planis
 }
 
 /** Read the file of --onto, make its shape, and find its box. */
-static int read_other(pl_job *job, pl_box *box) {
+static int read_other(pl_job *job, pl_job_box *box) {
     const planish_open_options how = {.threads = job->options.threads, .isolated = 1};
     planish_file *file = NULL;
     planish_error error;
@@ -103,7 +103,7 @@ static int read_other(pl_job *job, pl_box *box) {
     if (!status)
         status = join_other(job, mesh, surface, &error);
     if (!status)
-        pl_box_widen(box, 3, mesh.coordinates, mesh.n_nodes);
+        pl_job_box_widen(box, 3, mesh.coordinates, mesh.n_nodes);
     free(places);
     planish_file_close(file);
     return status;
@@ -157,11 +157,11 @@ static int move_nodes(pl_job *job) {
 
 /** Set job->goal to the box of the mesh, and of what of the other surface, in box, is near it: nodes may still
  *  come there. */
-static void bound_goal(pl_job *job, const pl_box *box) {
+static void bound_goal(pl_job *job, const pl_job_box *box) {
     const double part = 0.1; /* of the longest side: the other surface may be that of much more */
-    pl_box *goal = &job->goal;
+    pl_job_box *goal = &job->goal;
     double size = 0;
-    pl_box_widen(goal, 3, job->mesh.coordinates, job->mesh.n_nodes);
+    pl_job_box_widen(goal, 3, job->mesh.coordinates, job->mesh.n_nodes);
     for (int d = 0; d < 3; d++)
         size = fmax(size, goal->high[d] - goal->low[d]);
     const double near = fmax(part * size, job->onto.after.farthest);
@@ -189,7 +189,7 @@ int pl_onto_fit(pl_job *job) {
     planish_error error;
     pl_onto *onto = &job->onto;
     const double begin = pl_seconds();
-    pl_box other = {.is_known = 0};
+    pl_job_box other = {.is_known = 0};
     int status;
     if (!job->arguments->onto)
         return 0;

@@ -15,7 +15,8 @@
 #include <string.h>
 #include <unistd.h>
 
-int pl_output_is_stdout(const char *path) {
+/** Whether what is written to path ends up where standard output goes. */
+static int leads_to_stdout(const char *path) {
     pl_file_status named, standard;
     if (strcmp(path, "/dev/stdout") == 0)
         return 1;
@@ -119,7 +120,7 @@ static int check_beside_folder(const char *path) {
 
 /** Whether path, which may be NULL, is standard output. */
 static int is_stdout(const char *path) {
-    return path && (strcmp(path, "-") == 0 || pl_output_is_stdout(path));
+    return path && (strcmp(path, "-") == 0 || leads_to_stdout(path));
 }
 
 /** The mesh file that is written, or NULL: that of compare is read. */

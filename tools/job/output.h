@@ -5,7 +5,7 @@
  *
  *     pl_output_check, _check_all, _check_still_new       whether files can be written
  *     pl_output_read_file                                 files that are read beside the inputs
- *     pl_output_is_stdout, _takes_stdout                  what goes to standard output
+ *     pl_output_takes_stdout                              what goes to standard output
  *     pl_output_same_file, _hits_mesh, _is_same_mesh      files that would be overwritten
  *     pl_output_write_text                                a report
  */
@@ -16,9 +16,6 @@
 #include "terminal/signals.h"
 
 #include <stddef.h>
-
-/** Whether what is written to path ends up where standard output goes. */
-int pl_output_is_stdout(const char *path);
 
 /** Whether the two paths name one file, which need not exist. */
 int pl_output_same_file(const char *a, const char *b);

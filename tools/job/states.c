@@ -114,8 +114,8 @@ const char *pl_holder_option(const pl_job *job, pl_holder holder) {
 /** The first option that alone holds a node of an element; -1: none does. bits [n_nodes] as
  *  pl_held_find. */
 static int holder_of(const pl_job *job, const uint16_t *bits, int64_t element) {
-    static const unsigned of[PL_N_HOLDERS] = {1 << PL_HELD_BY_LAYERS, 1 << PL_HELD_BY_FIX,
-                                              1 << PL_HELD_BY_INTERFACE};
+    static const unsigned of[PL_N_HOLDERS] = {1 << PL_CAUSE_LAYERS, 1 << PL_CAUSE_FIX,
+                                              1 << PL_CAUSE_INTERFACE};
     int corners;
     const int32_t *corner = pl_job_corners(job, element, &corners);
     unsigned all = 0, found = 0;
@@ -157,7 +157,7 @@ int pl_unfixable_find(const pl_job *job, int64_t n_inverted, const planish_resul
     return status;
 }
 
-int pl_unfixable_add_inside(const pl_job *job, const pl_validity *validity,
+int pl_unfixable_add_inside(const pl_job *job, const pl_cells_validity *validity,
                             int64_t n_infeasible_curved, pl_unfixable *unfixable) {
     if (validity->n_inside == 0 || n_infeasible_curved < validity->n_inside)
         return 0;
@@ -198,7 +198,7 @@ void pl_unfixable_print(FILE *stream, const pl_job *job, const pl_unfixable *unf
                        "inverted, and held by an option");
 }
 
-void pl_inside_print(FILE *stream, const pl_job *job, const pl_validity *validity,
+void pl_inside_print(FILE *stream, const pl_job *job, const pl_cells_validity *validity,
                      const pl_unfixable *unfixable) {
     int64_t n_told = 0;
     for (int64_t i = 0; unfixable->state && validity->state && i < job->mesh.n_elements; i++)

@@ -66,7 +66,7 @@ int pl_unfixable_find(const pl_job *job, int64_t n_inverted, const planish_resul
                       pl_unfixable *unfixable);
 
 /** Add the elements that are inverted inside, if all of them are proved hopeless. */
-int pl_unfixable_add_inside(const pl_job *job, const pl_validity *validity,
+int pl_unfixable_add_inside(const pl_job *job, const pl_cells_validity *validity,
                             int64_t n_infeasible_curved, pl_unfixable *unfixable);
 
 /** Number of those that options hold. */
@@ -85,7 +85,7 @@ void pl_unfixable_print(FILE *stream, const pl_job *job, const pl_unfixable *unf
 
 /** Name the first of the elements that are inverted though their corners are positive, unless all of them
  *  are unfixable. */
-void pl_inside_print(FILE *stream, const pl_job *job, const pl_validity *validity,
+void pl_inside_print(FILE *stream, const pl_job *job, const pl_cells_validity *validity,
                      const pl_unfixable *unfixable);
 
 /** Values of pl_reversed.state. */

@@ -24,7 +24,7 @@ static int is_movable(const pl_job *job, const uint8_t *is_free, int64_t element
 }
 
 /** Sum up the ratios of [0] fixed and [1] movable elements. */
-static void add_up(const pl_job *job, const pl_validity *validity, const uint8_t *is_free,
+static void add_up(const pl_job *job, const pl_cells_validity *validity, const uint8_t *is_free,
                    sums *of) {
     for (int64_t i = 0; i < job->mesh.n_elements; i++) {
         const double ratio = validity->aspect_ratio[i];
@@ -42,11 +42,11 @@ static void put(const sums *of, double *rms, double *most) {
     *most = of->n > 0 ? of->most : NAN;
 }
 
-int pl_measure_valid(const pl_job *job, planish_quality *quality, pl_validity *validity) {
+int pl_measure_valid(const pl_job *job, planish_quality *quality, pl_cells_validity *validity) {
     sums of[2] = {{0}};
     int status = pl_job_measure(job, quality);
     if (!status)
-        status = pl_validity_find(job, validity);
+        status = pl_cells_validity_find(job, validity);
     if (status || !job->has_types || validity->n_inside == 0)
         return status;
     uint8_t *is_free = malloc((size_t)job->mesh.n_nodes + 1);

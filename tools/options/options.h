@@ -39,7 +39,7 @@ typedef enum pl_verbosity {
 
 /** Which layers of thin elements are held. */
 typedef enum pl_layers_asked {
-    PL_LAYERS_BY_TYPE = 0, /* those of some types: pl_job_holds_layer */
+    PL_LAYERS_BY_TYPE = 0, /* by default: those with elements of some types are kept */
     PL_LAYERS_HELD = 1,    /* all, as by --fix-layers */
     PL_LAYERS_IGNORED = 2,
     PL_LAYERS_KEPT = 3 /* their nodes move along them, and heights stay */

@@ -46,7 +46,8 @@ static const pl_drawn_measure scaled_jacobian = {
     {0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1},
     {0.9, 0.8, 0.7, 0.5, 0.3, 0.2, 0.1}};
 
-uint8_t pl_drawn_code(const pl_drawn_measure *measure, double value) {
+/** Return the code of a value; 0 if it is not a number. */
+static uint8_t code_of(const pl_drawn_measure *measure, double value) {
     const int n = measure->n_bins, n_codes = PL_DRAWN_CODES / n;
     int bin = 0;
     if (isnan(value))
@@ -122,8 +123,7 @@ static void measure_simplices(void *context, int64_t begin, int64_t end, int thr
         const double value[PL_DRAWN_MEASURES] = {ratio, angles.smallest, angles.largest,
                                                  edge_ratio_of(dim, vertex, n_corners)};
         for (int m = 0; m < s->values->n_measures; m++)
-            s->values->code[m * n + i] =
-                ratio > 0 ? pl_drawn_code(s->values->measure[m], value[m]) : 0;
+            s->values->code[m * n + i] = ratio > 0 ? code_of(s->values->measure[m], value[m]) : 0;
     }
 }
 
@@ -154,7 +154,7 @@ static int find_of_cells(const pl_job *job, const int32_t *element, double *rati
         for (int m = 0; m < values->n_measures; m++)
             values->code[m * values->n + k] = state[i] == PLANISH_CELL_STATE_NONE ? PL_DRAWN_NOTHING
                                               : ratio[i] > 0
-                                                  ? pl_drawn_code(values->measure[m], value[m][i])
+                                                  ? code_of(values->measure[m], value[m][i])
                                                   : 0;
     }
     free(more);

@@ -5,7 +5,7 @@
  *
  *     pl_drawn_measures              the measures of a mesh
  *     pl_drawn_values_find, _free    codes of elements
- *     pl_drawn_code, _worse          a value as a code, and which of two codes is worse
+ *     pl_drawn_worse                 which of two codes is worse
  *     pl_drawn_class                 the colour of a code
  */
 #ifndef PL_REPORT_DRAWN_VALUES_H
@@ -47,9 +47,6 @@ int pl_drawn_measures(const pl_job *job, const pl_drawn_measure *measure[PL_DRAW
  *  failure. Returns 0, or an exit status after a message. */
 int pl_drawn_values_find(const pl_job *job, const int32_t *element, int64_t n,
                          pl_drawn_values *values);
-
-/** Return the code of a value; 0 if it is not a number. */
-uint8_t pl_drawn_code(const pl_drawn_measure *measure, double value);
 
 /** Return the class of a code, 0 (good) to PL_DRAWN_CLASSES - 1; PL_DRAWN_CLASSES: inverted. */
 int pl_drawn_class(const pl_drawn_measure *measure, uint8_t code);

@@ -202,7 +202,7 @@ static void put_held(pl_markup *page, const pl_figures *figures) {
         return;
     pl_markup_put(page, "<details id=\"held\"><summary>Held nodes</summary><div "
                         "class=\"scroll\"><table><tbody>\n");
-    for (int i = 0; i < PL_N_HELD_BY; i++) {
+    for (int i = 0; i < PL_N_CAUSES; i++) {
         const int64_t n = pl_figure_count(held, pl_held_name(i));
         if (n <= 0)
             continue;

@@ -16,8 +16,8 @@ enum { PART_WITH_HISTORY = 2 };
 
 /** Find the box of the mesh as it is, and as it will be if that is known. */
 static void find_box(pl_picture *picture, const pl_job *job) {
-    pl_box box = job->goal;
-    pl_box_widen(&box, job->mesh.dim, job->mesh.coordinates, job->mesh.n_nodes);
+    pl_job_box box = job->goal;
+    pl_job_box_widen(&box, job->mesh.dim, job->mesh.coordinates, job->mesh.n_nodes);
     for (int d = 0; d < job->mesh.dim; d++) {
         picture->low[d] = box.low[d];
         picture->high[d] = box.high[d];

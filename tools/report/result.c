@@ -51,7 +51,7 @@ static void add_mesh(pl_json *json, cJSON *root, const pl_job *job, int64_t n_re
     pl_json_known(json, mesh, "could_slide", job->could_slide);
     if (held->is_known) {
         cJSON *reasons = pl_json_object(json, mesh, "held");
-        for (int i = 0; i < PL_N_HELD_BY; i++)
+        for (int i = 0; i < PL_N_CAUSES; i++)
             pl_json_integer(json, reasons, pl_held_name(i), held->n[i]);
     } else {
         pl_json_add(json, mesh, "held", cJSON_CreateNull());
@@ -266,7 +266,7 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
     add_heights(&json, root, job, &result->heights);
     add_objective(&json, root, job, &result->smooth);
     void (*const add_state)(pl_json *, cJSON *, const char *, const pl_job *,
-                            const planish_quality *, const pl_validity *, int64_t,
+                            const planish_quality *, const pl_cells_validity *, int64_t,
                             const pl_worst *) =
         job->has_types ? pl_result_add_smoothed_cells : pl_result_add_quality;
     add_state(&json, root, "before", job, &result->before, &result->validity_before,
@@ -279,8 +279,9 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
         pl_json_text(&json, root, "stop", stop_names[result->smooth.stop]);
     else
         pl_json_add(&json, root, "stop", cJSON_CreateNull());
-    pl_json_add(&json, root, "certified",
-                cJSON_CreateBool(pl_validity_faults(&result->validity_after, &result->after) == 0));
+    pl_json_add(
+        &json, root, "certified",
+        cJSON_CreateBool(pl_cells_validity_faults(&result->validity_after, &result->after) == 0));
     pl_json_checksum(&json, root, "input_checksum", result->input_checksum);
     pl_json_checksum(&json, root, "checksum", result->checksum);
     pl_json_real(&json, root, "max_displacement", result->smooth.max_displacement);
@@ -323,7 +324,7 @@ void pl_quality_report_begin(pl_quality_report *report) {
 void pl_quality_report_add(pl_quality_report *report, const pl_job *job,
                            const pl_measured *measured) {
     pl_json json = {report->failed};
-    const pl_validity none = {.is_known = 0};
+    const pl_cells_validity none = {.is_known = 0};
     cJSON *mesh = pl_json_object(&json, report->meshes, NULL);
     pl_json_text(&json, mesh, "planish", planish_version());
     pl_json_text(&json, mesh, "input", job->arguments->input);

@@ -13,11 +13,11 @@
 
 /** Everything that smooth can say about a run. */
 typedef struct pl_result {
-    planish_quality before, after;               /* by the corners of elements, */
-    pl_validity validity_before, validity_after; /* and with their mid-side nodes */
-    uint64_t input_checksum;                     /* of the coordinates as read, */
-    uint64_t checksum;                           /* and as written */
-    pl_picture *picture;                         /* for a page, owned, or NULL */
+    planish_quality before, after;                     /* by the corners of elements, */
+    pl_cells_validity validity_before, validity_after; /* and with their mid-side nodes */
+    uint64_t input_checksum;                           /* of the coordinates as read, */
+    uint64_t checksum;                                 /* and as written */
+    pl_picture *picture;                               /* for a page, owned, or NULL */
     int64_t returned_nodes; /* nodes of a tilted plane that went back (promises.h) */
     int64_t below_before;   /* elements below their minimum volume in the input */
     pl_volumes volumes;     /* those of the result */

@@ -138,7 +138,7 @@ static void add_sizes(pl_json *json, cJSON *quality, const pl_job *job,
 }
 
 void pl_result_add_quality(pl_json *json, cJSON *root, const char *name, const pl_job *job,
-                           const planish_quality *q, const pl_validity *validity,
+                           const planish_quality *q, const pl_cells_validity *validity,
                            int64_t below_min_volume, const pl_worst *worst) {
     cJSON *quality = pl_json_object(json, root, name);
     add_measures(json, quality, q,
@@ -152,7 +152,7 @@ void pl_result_add_quality(pl_json *json, cJSON *root, const char *name, const p
 }
 
 void pl_result_add_smoothed_cells(pl_json *json, cJSON *root, const char *name, const pl_job *job,
-                                  const planish_quality *q, const pl_validity *validity,
+                                  const planish_quality *q, const pl_cells_validity *validity,
                                   int64_t below_min_volume, const pl_worst *worst) {
     static const char *const of_simplices[] = {"rms_radius_ratio",
                                                "rms_radius_ratio_movable",
@@ -173,7 +173,7 @@ void pl_result_add_smoothed_cells(pl_json *json, cJSON *root, const char *name, 
                                                "histogram",
                                                "angle_histogram"};
     cJSON *quality = pl_json_object(json, root, name);
-    pl_json_integer(json, quality, "inverted", pl_validity_faults(validity, q));
+    pl_json_integer(json, quality, "inverted", pl_cells_validity_faults(validity, q));
     add_types(json, quality, &validity->quality);
     add_sizes(json, quality, job, &validity->sizes);
     pl_json_integer(json, quality, "inverted_inside", validity->n_inside);

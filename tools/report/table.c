@@ -28,9 +28,9 @@ static void row_volumes(FILE *stream, const pl_job *job, const int64_t *before, 
 static void put_objective(FILE *stream, const pl_job *job, const pl_result *result) {
     const planish_quality *before = &result->before, *after = &result->after;
     const int64_t valid_before =
-        before->n_elements - pl_validity_faults(&result->validity_before, before);
+        before->n_elements - pl_cells_validity_faults(&result->validity_before, before);
     const int64_t valid_after =
-        after->n_elements - pl_validity_faults(&result->validity_after, after);
+        after->n_elements - pl_cells_validity_faults(&result->validity_after, after);
     const int same =
         job->has_types ? valid_before == valid_after : pl_table_are_of_same(before, after);
     const pl_table_measure f = {"", PL_LESS_IS_BETTER, same ? PL_CHANGE_RELATIVE : PL_NOT_COMPARED};
@@ -182,7 +182,7 @@ void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result) {
 void pl_table_quality(FILE *stream, const pl_job *job, const pl_measured *measured) {
     const planish_quality *q = &measured->quality;
     const pl_cells *cells = &measured->cells;
-    const pl_validity none = {.is_known = 0}; /* simplices are measured by their corners */
+    const pl_cells_validity none = {.is_known = 0}; /* simplices are measured by their corners */
     const int solid = pl_job_element_dim(job) == 3;
     if (cells->has_others) {
         char counts[256];

@@ -74,8 +74,8 @@ void pl_table_rows_aspect(FILE *stream, const pl_job *job, const pl_result *resu
     const planish_quality *before = &result->before, *after = &result->after;
     const planish_cell_measures *was = &result->validity_before.quality.all;
     const planish_cell_measures *is = &result->validity_after.quality.all;
-    const int is_of_same = pl_validity_faults(&result->validity_before, before) ==
-                           pl_validity_faults(&result->validity_after, after);
+    const int is_of_same = pl_cells_validity_faults(&result->validity_before, before) ==
+                           pl_cells_validity_faults(&result->validity_after, after);
     const pl_table_measure ratio = {"", PL_LESS_IS_BETTER,
                                     is_of_same ? PL_CHANGE_RELATIVE : PL_NOT_COMPARED};
     /* Elements whose targets may be sharp need not be more regular. */

@@ -35,7 +35,7 @@ static int has_mids(const planish_cells *cells) {
     return 0;
 }
 
-void pl_table_rows_cells(FILE *stream, const pl_job *job, const pl_validity *validity) {
+void pl_table_rows_cells(FILE *stream, const pl_job *job, const pl_cells_validity *validity) {
     char counts[512], text[640], name[4 * PL_TEXT_WIDTH + 1];
     const int64_t n = job->mesh.n_nodes;
     pl_cells_count(job->mesh.cells, counts, sizeof counts);

@@ -13,7 +13,7 @@ void pl_table_row_mesh(FILE *stream, const pl_job *job, const char *elements);
 
 /** Put the first lines of a mesh of which not all elements are straight simplices: their numbers, and
  *  what follows their corners. */
-void pl_table_rows_cells(FILE *stream, const pl_job *job, const pl_validity *validity);
+void pl_table_rows_cells(FILE *stream, const pl_job *job, const pl_cells_validity *validity);
 
 /** Put the first line of a mesh whose simplices alone matter. */
 void pl_table_row_simplices(FILE *stream, const pl_job *job);

@@ -84,16 +84,16 @@ static const double *number_at(const planish_quality *quality, size_t at) {
 }
 
 void pl_table_rows_inverted(FILE *stream, const planish_quality *before,
-                            const planish_quality *after, const pl_validity *validity_before,
-                            const pl_validity *validity) {
+                            const planish_quality *after, const pl_cells_validity *validity_before,
+                            const pl_cells_validity *validity) {
     const pl_table_measure ratio = {"", PL_MORE_IS_BETTER, PL_CHANGE_ABSOLUTE};
     const planish_cell_measures *was = &validity_before->quality.all, *is = &validity->quality.all;
-    const int64_t n = before ? pl_validity_faults(validity_before, before) : 0;
+    const int64_t n = before ? pl_cells_validity_faults(validity_before, before) : 0;
     if (is->n_curved > 0)
         pl_table_row_real(stream, "least Jacobian / mean, curved",
                           before ? &was->min_jacobian_ratio : NULL, is->min_jacobian_ratio, &ratio);
     pl_table_row_count(stream, "inverted elements", before ? &n : NULL,
-                       pl_validity_faults(validity, after));
+                       pl_cells_validity_faults(validity, after));
     if (validity->n_inside > 0 || validity_before->n_inside > 0)
         pl_table_row_count(stream, "  though their corners are right",
                            before ? &validity_before->n_inside : NULL, validity->n_inside);
@@ -103,8 +103,8 @@ void pl_table_rows_inverted(FILE *stream, const planish_quality *before,
 }
 
 void pl_table_rows_quality(FILE *stream, int dim, const planish_quality *before,
-                           const planish_quality *after, const pl_validity *validity_before,
-                           const pl_validity *validity) {
+                           const planish_quality *after, const pl_cells_validity *validity_before,
+                           const pl_cells_validity *validity) {
     for (size_t i = 0; i < sizeof quality_rows / sizeof *quality_rows; i++) {
         const quality_row *row = &quality_rows[i];
         pl_table_measure m = row->measure;

@@ -13,13 +13,13 @@ int pl_table_are_of_same(const planish_quality *before, const planish_quality *a
 /** Put the rows of elements that are inverted: by their corners, or by their mid-side nodes. Where
  *  validity is not known, quality tells. */
 void pl_table_rows_inverted(FILE *stream, const planish_quality *before,
-                            const planish_quality *after, const pl_validity *validity_before,
-                            const pl_validity *validity);
+                            const planish_quality *after, const pl_cells_validity *validity_before,
+                            const pl_cells_validity *validity);
 
 /** Put the measures of simplices; validity_before, validity: with their mid-side nodes. */
 void pl_table_rows_quality(FILE *stream, int dim, const planish_quality *before,
-                           const planish_quality *after, const pl_validity *validity_before,
-                           const pl_validity *validity);
+                           const planish_quality *after, const pl_cells_validity *validity_before,
+                           const pl_cells_validity *validity);
 
 /** Put all measures of simplices (docs/measures.md); the range begins with the value of the regular
  *  element, but for R / longest edge, where that is 1. */

@@ -47,7 +47,8 @@ void pl_signals_clean_up(void) {
         remove_all(temporary_paths[i]);
 }
 
-void pl_signals_end(const char *text) {
+/** Clean up, print text, and end the program. */
+static void end_with(const char *text) {
     pl_signals_clean_up();
     say(text);
     _exit(atomic_load(&status_now));
@@ -87,15 +88,14 @@ void pl_signals_end_shorter(void) {
     pl_signals_clean_up();
     say("planish: ");
     say(atomic_load(&input_is_named) ? input_name : "the input");
-    pl_signals_end(": became shorter while it was in use; run again when it is complete\n");
+    end_with(": became shorter while it was in use; run again when it is complete\n");
 }
 
 /* libgomp ends the process with a line of its own and status 1 where it has no memory or no thread,
  * HDF5 with 255. The first would say that there is a mesh. */
 static void on_exit_by_others(void) {
     if (!atomic_load(&is_done))
-        pl_signals_end(
-            "planish: a library ended the program, probably for lack of memory or threads\n");
+        end_with("planish: a library ended the program, probably for lack of memory or threads\n");
 }
 
 void pl_signals_install(void) {

@@ -52,9 +52,6 @@ void pl_signals_clean_up(void);
 /** Print one line that a signal ends the program; nothing where no input is named. */
 void pl_signals_say_ended(void);
 
-/** Clean up, print text, and end the program. */
-void pl_signals_end(const char *text);
-
 /** Ask to stop. Returns whether that had been asked before. */
 int pl_signals_ask_stop(void);
 

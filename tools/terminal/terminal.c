@@ -15,7 +15,8 @@ int pl_terminal_is(FILE *stream) {
     return pl_console_is(stream) && pl_console_obeys();
 }
 
-int pl_terminal_has_colours(FILE *stream) {
+/** Whether stream is a terminal that shows colours. */
+static int has_colours(FILE *stream) {
     const char *none = getenv("NO_COLOR");
     return !(none && none[0]) && pl_terminal_is(stream);
 }
@@ -59,11 +60,11 @@ const char *pl_style_begin(FILE *stream, pl_style style) {
         [PL_STYLE_BETTER] = "\033[32m", [PL_STYLE_WORSE] = "\033[31m",
         [PL_STYLE_NOTE] = "\033[33m",   [PL_STYLE_ERROR] = "\033[1;31m",
     };
-    return pl_terminal_has_colours(stream) ? codes[style] : "";
+    return has_colours(stream) ? codes[style] : "";
 }
 
 const char *pl_style_end(FILE *stream, pl_style style) {
-    return style != PL_STYLE_PLAIN && pl_terminal_has_colours(stream) ? "\033[0m" : "";
+    return style != PL_STYLE_PLAIN && has_colours(stream) ? "\033[0m" : "";
 }
 
 void pl_line_show(const char *text) {

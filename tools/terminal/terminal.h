@@ -24,9 +24,6 @@ typedef enum pl_style {
 /** Whether stream is a terminal that lines can be written over on. */
 int pl_terminal_is(FILE *stream);
 
-/** Whether it shows colours, too. */
-int pl_terminal_has_colours(FILE *stream);
-
 /** Whether it shows blocks: a terminal, and the locale's characters are UTF-8. */
 int pl_terminal_has_blocks(FILE *stream);
 

@@ -1,6 +1,6 @@
 /* text: names and sentences in lines of a given width.
  *
- *     pl_text_columns, _fit, _wrap    widths
+ *     pl_text_columns, _fit           widths
  *     pl_text_put_word                a word for a shell
  *     pl_text_clean, _put, _control   characters that a terminal may not get
  *     pl_utf8_length                  whether bytes are UTF-8

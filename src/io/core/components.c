@@ -6,7 +6,6 @@
 #include "io/core/binary.h"
 
 #include <stdatomic.h>
-#include <stdlib.h>
 
 /* ---- values ------------------------------------------------------------------------------- */
 
@@ -50,14 +49,8 @@ int64_t io_load_component(io_model *model, io_strided from, int component) {
 
 /* ---- places ------------------------------------------------------------------------------- */
 
-static int compare_spans(const void *a, const void *b) {
-    const io_span *x = a, *y = b;
-    return x->offset < y->offset ? -1 : x->offset > y->offset;
-}
-
 int io_components_end(io_model *model, planish_error *error) {
-    if (model->n_spans > 0)
-        qsort(model->span, (size_t)model->n_spans, sizeof *model->span, compare_spans);
+    io_model_sort_spans(model);
     for (int64_t i = 1; i < model->n_spans; i++) {
         const io_span *s = &model->span[i - 1];
         const int size = s->encoding == IO_FLOAT32 ? 4 : 8;

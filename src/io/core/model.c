@@ -9,6 +9,7 @@
 
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { CHUNK_NODES = 1 << 16 };
@@ -50,6 +51,16 @@ int io_model_span(io_model *model, io_span span, planish_error *error) {
     return pl_append(&model->span, &model->n_spans, &model->span_capacity, &span, sizeof span)
                ? PLANISH_OK
                : pl_fail_memory(error, "the places of the nodes");
+}
+
+static int compare_spans(const void *a, const void *b) {
+    const int64_t p = ((const io_span *)a)->offset, q = ((const io_span *)b)->offset;
+    return (p > q) - (p < q);
+}
+
+void io_model_sort_spans(io_model *model) {
+    if (model->n_spans > 1)
+        qsort(model->span, (size_t)model->n_spans, sizeof *model->span, compare_spans);
 }
 
 int io_model_make_nodes(io_model *model, int64_t n, int size, int64_t stride, int swapped,

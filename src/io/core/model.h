@@ -216,7 +216,8 @@ typedef struct io_data {
     const void *type;   /* the format's own, of the numbers */
 } io_data;
 
-/** Why the file holds a node, bits of io_model.hold. */
+/** What the file says of a node, bits of io_model.hold: why the node is held, or that it has
+ *  parameters. */
 enum {
     IO_HELD_BY_POINT = 1,   /* on an element that is a point */
     IO_HELD_BY_OTHER = 2,   /* on an element of a type that is not smoothed, or a line of more
@@ -377,6 +378,9 @@ int io_model_alloc_nodes(io_model *model, int64_t n_nodes, int text, planish_err
 
 /** Note a run of nodes behind the others. */
 int io_model_span(io_model *model, io_span span, planish_error *error);
+
+/** Put the runs in the order of the file. */
+void io_model_sort_spans(io_model *model);
 
 /** Make n nodes whose coordinates stand at at, size bytes (4, 8) each, a node every stride bytes;
  *  note their place and their precision. Binary if model->is_binary (set it first), else text: then

@@ -8,8 +8,7 @@
 
 enum { MOST_WIDTH = 4, FIRST_SLOTS = 1024, TOGETHER = 8 };
 
-/** Put vertices into ascending order. */
-static void sort_vertices(const int32_t *vertices, int n, int32_t *sorted) {
+void io_sort_vertices(const int32_t *vertices, int n, int32_t *sorted) {
     for (int i = 0; i < n; i++) {
         int k = i;
         for (; k > 0 && sorted[k - 1] > vertices[i]; k--)
@@ -66,14 +65,14 @@ static int grow_slots(io_part_numbers *parts, planish_error *error) {
 
 int64_t io_part_numbers_find(const io_part_numbers *parts, const int32_t *vertices) {
     int32_t sorted[MOST_WIDTH] = {0};
-    sort_vertices(vertices, parts->width, sorted);
+    io_sort_vertices(vertices, parts->width, sorted);
     return parts->n_slots > 0 ? *find_slot(parts, sorted) : -1;
 }
 
 int io_part_numbers_add(io_part_numbers *parts, const int32_t *vertices, int32_t *number,
                         planish_error *error) {
     int32_t sorted[MOST_WIDTH] = {0};
-    sort_vertices(vertices, parts->width, sorted);
+    io_sort_vertices(vertices, parts->width, sorted);
     const int status = grow_slots(parts, error);
     if (status)
         return status;

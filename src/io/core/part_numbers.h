@@ -2,6 +2,7 @@
  * the nodes on edges and faces so, element after element.
  *
  *   io_part_numbers_find, _add, _release
+ *   io_sort_vertices                        the vertices of one
  */
 #ifndef PL_IO_CORE_PART_NUMBERS_H
 #define PL_IO_CORE_PART_NUMBERS_H
@@ -21,6 +22,9 @@ typedef struct io_part_numbers {
     int64_t n_slots; /* a power of two, or 0 */
     pl_hash hash;
 } io_part_numbers;
+
+/** Put n vertices into sorted, in ascending order. */
+void io_sort_vertices(const int32_t *vertices, int n, int32_t *sorted);
 
 /** Find the number of a part by its vertices, in any order; -1: there is none. */
 int64_t io_part_numbers_find(const io_part_numbers *parts, const int32_t *vertices);

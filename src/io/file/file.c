@@ -8,6 +8,7 @@
 #include "io/core/cell_types.h"
 #include "io/core/child.h"
 #include "io/core/data.h"
+#include "io/core/gzip.h"
 #include "io/core/number.h"
 #include "io/file/plane.h"
 #include "io/file/tags.h"
@@ -28,7 +29,7 @@ static const char *const no_names[] = {NULL};
 /** Refuse bytes that no reader takes, whatever the format is called. */
 static int refuse_others(const io_bytes *input, planish_error *error) {
     const char *path = input->path;
-    if (input->size > 2 && memcmp(input->data, "\x1f\x8b", 2) == 0)
+    if (io_is_gzip(input->data, input->size))
         return pl_fail(error, PLANISH_ERROR_FORMAT,
                        "%s: is compressed; unpack it first: gunzip -c %s > OUT", path, path);
     /* Text of two bytes a letter begins with their order. */

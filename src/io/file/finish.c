@@ -13,6 +13,7 @@
  */
 #include "io/core/cell_types.h"
 #include "io/core/mids.h"
+#include "io/core/part_numbers.h"
 #include "io/core/parts.h"
 #include "io/file/file.h"
 #include "io/file/plane.h"
@@ -52,16 +53,6 @@ static uint64_t mix(uint64_t value) {
     return value ^ value >> 29;
 }
 
-/** Put nodes in the order of their numbers in sorted. */
-static void sort_nodes(const int32_t *nodes, int corners, int32_t *sorted) {
-    for (int i = 0; i < corners; i++) {
-        int k = i;
-        for (; k > 0 && sorted[k - 1] > nodes[i]; k--)
-            sorted[k] = sorted[k - 1];
-        sorted[k] = nodes[i];
-    }
-}
-
 /** The corners of a cell of the list. */
 static const int32_t *corners_of(const listing *l, int64_t i) {
     const io_others *others = l->list.others;
@@ -73,7 +64,7 @@ static const int32_t *corners_of(const listing *l, int64_t i) {
 static int32_t find_or_add(const listing *l, const int32_t *nodes, int32_t cell) {
     int32_t sorted[MOST_CORNERS], other[MOST_CORNERS];
     pl_hash hash = l->hash;
-    sort_nodes(nodes, l->corners, sorted);
+    io_sort_vertices(nodes, l->corners, sorted);
     pl_hash_add_integers(&hash, sorted, l->corners);
     for (int64_t at = (int64_t)(pl_hash_end(hash) & (uint64_t)l->mask);; at = (at + 1) & l->mask) {
         int32_t there = __atomic_load_n(&l->slot[at], __ATOMIC_RELAXED);
@@ -81,7 +72,7 @@ static int32_t find_or_add(const listing *l, const int32_t *nodes, int32_t cell)
             (cell < 0 || __atomic_compare_exchange_n(&l->slot[at], &there, cell, 0,
                                                      __ATOMIC_RELAXED, __ATOMIC_RELAXED)))
             return -1;
-        sort_nodes(corners_of(l, there), l->corners, other);
+        io_sort_vertices(corners_of(l, there), l->corners, other);
         if (memcmp(other, sorted, (size_t)l->corners * sizeof *other) == 0)
             return there;
     }

@@ -52,7 +52,9 @@ static int has_moved(const io_model *model, int64_t node, const double *uv) {
     return !pl_is_same(uv[0], before[0]) || !pl_is_same(uv[1], before[1]);
 }
 
-void io_space_coordinates(const io_model *model, int64_t node, const double *at, double xyz[3]) {
+/** Find where node is with coordinates at [dim], in the file's columns. */
+static void space_coordinates(const io_model *model, int64_t node, const double *at,
+                              double xyz[3]) {
     const io_plane *plane = &model->plane;
     const int *axis = plane->axis;
     const double *read = model->xyz ? model->xyz + 3 * node : NULL;
@@ -91,7 +93,7 @@ static void place_chunk(void *context, int64_t begin, int64_t end, int thread) {
     for (int64_t i = begin; i < end; i++) {
         const int64_t node = p->place_node ? p->place_node[i] : i;
         double xyz[3];
-        io_space_coordinates(p->model, node, p->coordinates + dim * node, xyz);
+        space_coordinates(p->model, node, p->coordinates + dim * node, xyz);
         if (p->place_node && p->model->place_across)
             xyz[p->model->plane.axis[2]] = p->model->place_across[i];
         memcpy(p->places + written * i, xyz, (size_t)written * sizeof *xyz);
@@ -139,8 +141,7 @@ int planish_file_space_coordinates(const planish_file *file, int64_t first, int6
                        (long long)file->model.n_nodes);
     const pl_outside outside = pl_call_enter(NULL);
     for (int64_t i = 0; i < n; i++)
-        io_space_coordinates(&file->model, first + i, coordinates + file->model.dim * i,
-                             xyz + 3 * i);
+        space_coordinates(&file->model, first + i, coordinates + file->model.dim * i, xyz + 3 * i);
     pl_call_leave(&outside);
     return PLANISH_OK;
 }
@@ -261,13 +262,13 @@ static void find_signs(void *context, int64_t begin, int64_t end, int thread) {
  *  back to it. */
 static void round_node(const rounding *s, int64_t i) {
     double *uv = s->uv + 2 * i, *place = s->places + 3 * i, again[3];
-    io_space_coordinates(s->model, i, uv, place);
+    space_coordinates(s->model, i, uv, place);
     if (s->model->precision == PLANISH_PRECISION_DOUBLE || !has_moved(s->model, i, uv))
         return;
     const double before[2] = {uv[0], uv[1]};
     int same = 1;
     io_plane_project(&s->model->plane, place, uv);
-    io_space_coordinates(s->model, i, uv, again);
+    space_coordinates(s->model, i, uv, again);
     for (int d = 0; d < 3; d++)
         same &= pl_is_same(place[d], again[d]);
     if (!same) /* what is held has nearly the digits of doubles */

@@ -2,7 +2,7 @@
  *
  *   io_plane_find, io_tolerance_of_digits        find the plane; how exact a file is (plane_find.c)
  *   io_plane_keep                                signs of triangles as in the file
- *   io_plane_project, io_space_coordinates       from the file's columns to the plane, and back
+ *   io_plane_project                             from the file's columns to the plane
  *   io_written_coordinates, io_written_as_read   what a writer takes
  *   io_stored                                    a coordinate as the file holds it
  *   io_plane_is_xy                               whether these are the same
@@ -35,9 +35,6 @@ void io_plane_project(const io_plane *plane, const double xyz[3], double uv[2]);
 
 /** Round a coordinate to what the file holds of it. */
 double io_stored(const io_model *model, double value);
-
-/** Find where node is with coordinates at [dim], in the file's columns. */
-void io_space_coordinates(const io_model *model, int64_t node, const double *at, double xyz[3]);
 
 /** Check that all coordinates [n_nodes][dim] are finite. */
 int io_check_coordinates(const io_model *model, const double *coordinates, planish_error *error);

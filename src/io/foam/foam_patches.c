@@ -19,7 +19,8 @@ static const char *const plain_types[] = {"patch", "wall", "symmetry", "symmetry
 
 /* ---- sets ----------------------------------------------------------------------------------- */
 
-int foam_add_set(foam_sets *sets, io_slice name, foam_set set, planish_error *error) {
+/** Add a set behind the others, whose name is copied and whose members are taken over, on failure, too. */
+static int add_set(foam_sets *sets, io_slice name, foam_set set, planish_error *error) {
     const int64_t length = io_slice_length(name);
     set.name = pl_alloc(length + 1, 1);
     if (!set.name || !pl_append(&sets->set, &sets->n, &sets->capacity, &set, sizeof set)) {
@@ -230,13 +231,13 @@ static int add_sets(const foam_patch *p, foam_sets *sets, planish_error *error) 
     enum { MOST_GROUPS = 64 };
     const foam_set set = {.things = FOAM_FACES, .first = p->first, .n = p->n};
     io_cursor cursor = {p->groups.begin, p->groups.end};
-    int status = foam_add_set(sets, p->name, set, error);
+    int status = add_set(sets, p->name, set, error);
     for (int n = 0; n < MOST_GROUPS && !status && cursor.at < cursor.end;) {
         int64_t number;
         const io_slice word = foam_word(&cursor);
         if (io_slice_length(word) > 0 && !strchr(";()", *word.begin) &&
             !io_slice_is(word, "List<word>", 0) && io_slice_integer(word, &number)) {
-            status = foam_add_set(sets, word, set, error);
+            status = add_set(sets, word, set, error);
             n++;
         }
     }
@@ -292,7 +293,7 @@ static int read_zone(foam_file *f, io_slice name, int kind, int64_t most, foam_s
     while (!status) {
         const io_slice word = foam_word(&f->cursor);
         if (io_slice_is(word, "}", 0))
-            return foam_add_set(sets, name, set, error);
+            return add_set(sets, name, set, error);
         status = io_slice_length(word)
                      ? foam_check_word(f, word, error)
                      : io_fail_at(&f->of.view, word.begin, error, "'}' of a zone expected");

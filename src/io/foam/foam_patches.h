@@ -1,6 +1,6 @@
 /* foam_patches: patches of the boundary and zones: sets of faces, cells and points.
  *
- *   foam_sets, foam_add_set                sets
+ *   foam_sets                              sets
  *   foam_read_patches, foam_use_patches    the patches
  *   foam_read_zones                        the zones
  */
@@ -52,9 +52,6 @@ void foam_release_patches(foam_patches *patches);
 
 /** Read the zones that are there. */
 int foam_read_zones(const foam_mesh *mesh, foam_sets *sets, planish_error *error);
-
-/** Add a set behind the others, whose name is copied and whose members are taken over, on failure, too. */
-int foam_add_set(foam_sets *sets, io_slice name, foam_set set, planish_error *error);
 
 /** Release the sets. */
 void foam_release_sets(foam_sets *sets);

@@ -323,7 +323,8 @@ static int walk_binary(medit_reader *r) {
 
 /* ---- the format --------------------------------------------------------------------------- */
 
-int medit_is_binary(const char *data, int64_t size) {
+/** Return whether the bytes begin as those of a binary file do. */
+static int begins_binary(const char *data, int64_t size) {
     int swapped;
     int64_t version;
     return begins_well(data, size, &swapped, &version);
@@ -331,7 +332,7 @@ int medit_is_binary(const char *data, int64_t size) {
 
 int medit_find_sections(medit_reader *r) {
     io_model *model = r->model;
-    model->is_binary = medit_is_binary(model->input.data, model->input.size);
+    model->is_binary = begins_binary(model->input.data, model->input.size);
     return model->is_binary ? walk_binary(r) : walk_text(r);
 }
 
@@ -361,7 +362,7 @@ static int medit_read(io_model *model, planish_error *error) {
 
 static int medit_recognise(const char *data, int64_t size) {
     return io_slice_is(io_first_word(data, size), "MeshVersionFormatted", 0) ||
-           medit_is_binary(data, size);
+           begins_binary(data, size);
 }
 
 /** Return whether path may be the name of the output: other programs tell text from binary by it.

@@ -57,9 +57,6 @@ typedef struct medit_reader {
 /** Return the bytes of a record; in text at least. */
 int64_t medit_record_size(const medit_reader *r, const medit_keyword *k);
 
-/** Return whether the bytes begin as those of a binary file do. */
-int medit_is_binary(const char *data, int64_t size);
-
 /** Find the sections of the keywords: fill in the reader's numbers, version, dimension and
  *  sections. model, error and keywords are there. */
 int medit_find_sections(medit_reader *reader);

@@ -381,7 +381,8 @@ void io_view_lose_references(const io_view *view, io_losses *losses) {
         io_losses_add(losses, "references of nodes");
 }
 
-void io_view_lose_nodes(const io_view *view, io_losses *losses) {
+/** Note groups of nodes, and references of nodes in no named group. */
+static void lose_nodes(const io_view *view, io_losses *losses) {
     const io_model *model = view->model;
     int n_of_nodes = 0;
     for (int64_t i = 0; i < model->n_groups; i++)
@@ -392,7 +393,7 @@ void io_view_lose_nodes(const io_view *view, io_losses *losses) {
 }
 
 void io_view_lose_further(const io_view *view, io_losses *losses) {
-    io_view_lose_nodes(view, losses);
+    lose_nodes(view, losses);
     lose_further(have_several(view->model, 1), losses);
 }
 
@@ -403,7 +404,7 @@ void io_view_lose_others(const io_view *view, io_losses *losses) {
         const int32_t first = model->entity[e].dim > 0 ? io_view_next_group(view, e, -1) : -1;
         several |= first >= 0 && io_view_next_group(view, e, first) >= 0;
     }
-    io_view_lose_nodes(view, losses);
+    lose_nodes(view, losses);
     lose_further(several, losses);
     io_view_lose_ends(model, losses);
 }

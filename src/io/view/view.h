@@ -166,15 +166,14 @@ void io_losses_add(io_losses *losses, const char *format, ...) PL_PRINTF(2, 3);
 
 /** Note data that formats cannot store: names of groups and all but the first number of each element;
  *  the ends of names behind IO_VIEW_MOST_NAME; what '_' stands for in names of
- *  groups of a dimension and above; references of nodes in no named group; these and groups of
- *  nodes; where elements have one number: the latter and further groups; where they have one name: the
- *  latter, further groups and ends; numbers of nodes and elements, where they are other ones than their
+ *  groups of a dimension and above; references of nodes in no named group; where elements have one
+ *  number: these, groups of nodes and further groups; where they have one name: all these and ends;
+ *  numbers of nodes and elements, where they are other ones than their
  *  order; arrays of numbers. */
 void io_view_lose_groups(const io_view *view, io_losses *losses);
 void io_view_lose_ends(const io_model *model, io_losses *losses);
 void io_view_lose_quotes(const io_model *model, int first_dim, io_losses *losses);
 void io_view_lose_references(const io_view *view, io_losses *losses);
-void io_view_lose_nodes(const io_view *view, io_losses *losses);
 void io_view_lose_further(const io_view *view, io_losses *losses);
 void io_view_lose_others(const io_view *view, io_losses *losses);
 void io_view_lose_numbers(const io_view *view, io_losses *losses);

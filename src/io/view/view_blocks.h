@@ -2,7 +2,7 @@
  *
  *   io_view_block, io_view_blocks_make, _release   the blocks
  *   io_view_lose_types                             elements that a format does not have
- *   io_view_lose_tags, _loses_tag, _region          numbers that it does not have
+ *   io_view_lose_tags, _loses_tag, _loses_region   numbers that it does not have
  */
 #ifndef PL_IO_VIEW_VIEW_BLOCKS_H
 #define PL_IO_VIEW_VIEW_BLOCKS_H

@@ -50,7 +50,9 @@ const vtk_type *vtk_find_xml_type(io_slice name) {
     return NULL;
 }
 
-int64_t vtk_integer(const char *at, const vtk_type *type, int swapped) {
+/** Return the number at at, of whole bytes, as an integer: it is no real, and unsigned ones of 64 bits
+ *  are taken by their bits. */
+static int64_t integer_of(const char *at, const vtk_type *type, int swapped) {
     const int is_signed = type->kind == VTK_SIGNED;
     switch (type->size) {
     case 1:
@@ -67,7 +69,7 @@ int64_t vtk_integer(const char *at, const vtk_type *type, int swapped) {
 
 double vtk_real(const char *at, const vtk_type *type, int swapped) {
     if (type->kind != VTK_REAL)
-        return (double)vtk_integer(at, type, swapped);
+        return (double)integer_of(at, type, swapped);
     return type->size == 4 ? (double)io_load_f32(at, swapped) : io_load_f64(at, swapped);
 }
 
@@ -79,7 +81,7 @@ int vtk_whole(const char *data, int64_t i, const vtk_type *type, int swapped, in
     const char *at = data + i * type->size;
     if (type->kind == VTK_REAL)
         return io_array_whole(vtk_real(at, type, swapped), value);
-    *value = vtk_integer(at, type, swapped);
+    *value = integer_of(at, type, swapped);
     return 1;
 }
 
@@ -122,7 +124,7 @@ int vtk_read_list(void *context, io_cursor *cursor, int64_t begin, int64_t end,
             if (list->real)
                 list->real[i] = vtk_real(at, list->type, list->swapped);
             else
-                value = vtk_integer(at, list->type, list->swapped);
+                value = integer_of(at, list->type, list->swapped);
         } else {
             if (list->real ? io_real(cursor, &list->real[i]) : io_integer(cursor, &value))
                 return io_fail_at(list->model, cursor->at, error,

@@ -1,7 +1,7 @@
 /* vtk_numbers: the numbers of VTK's arrays, whatever file they stand in.
  *
  *   vtk_type, vtk_find_type          types of numbers by their names
- *   vtk_integer, vtk_real, ...       a number from its bytes
+ *   vtk_real, ...                    a number from its bytes
  *   vtk_list, vtk_read_list          read many numbers, of text or bytes
  *   vtk_order_tensors                symmetric tensors in planish's order
  */
@@ -23,9 +23,7 @@ typedef struct vtk_type {
 const vtk_type *vtk_find_type(io_slice name);
 const vtk_type *vtk_find_xml_type(io_slice name);
 
-/** Return the number at at, of whole bytes, as an integer (it is no real; unsigned ones of 64 bits
- *  are taken by their bits) or as a real. */
-int64_t vtk_integer(const char *at, const vtk_type *type, int swapped);
+/** Return the number at at, of whole bytes, as a real. */
 double vtk_real(const char *at, const vtk_type *type, int swapped);
 
 /** Load value number i of data, bits too: 1, or 0 if it is not a whole number. */

@@ -80,11 +80,6 @@ static int read_piece_points(io_model *model, vtu_document *document, vtu_array 
     return status;
 }
 
-static int compare_spans(const void *a, const void *b) {
-    const int64_t p = ((const io_span *)a)->offset, q = ((const io_span *)b)->offset;
-    return (p > q) - (p < q);
-}
-
 static int read_points(io_model *model, vtu_document *document) {
     const vtu_piece *last = &document->piece[document->n_pieces - 1];
     const int64_t n = last->first_point + last->n_points;
@@ -117,8 +112,7 @@ static int read_points(io_model *model, vtu_document *document) {
     if (status)
         return status;
     /* The writer goes through the file, whatever the order of the pieces is. */
-    if (model->n_spans > 1)
-        qsort(model->span, (size_t)model->n_spans, sizeof *model->span, compare_spans);
+    io_model_sort_spans(model);
     return n_found < document->n_pieces ? fail_end(document, "a Piece has no Points") : PLANISH_OK;
 }
 

@@ -3,7 +3,7 @@
  *   xdmf_element, xdmf_document      all elements, as a tree
  *   xdmf_markup_read, _release       read it
  *   xdmf_is, xdmf_attribute, xdmf_text, xdmf_fail    questions to an element
- *   xdmf_children, xdmf_find         elements in an element, behind references and inclusions
+ *   xdmf_children, xdmf_resolve      elements in an element, behind references and inclusions
  *
  * Names of elements and attributes may have any letter case. An element is an index, -1: none.
  */

@@ -146,11 +146,6 @@ static int read_text(xdmf_reader *r, const xdmf_geometry *g, int k) {
     return status ? status : io_model_span(model, span, r->error);
 }
 
-static int compare_spans(const void *a, const void *b) {
-    const int64_t p = ((const io_span *)a)->offset, q = ((const io_span *)b)->offset;
-    return (p > q) - (p < q);
-}
-
 /* ---- bytes ---------------------------------------------------------------------------------- */
 
 /** Read coordinates from a file of bytes. */
@@ -232,8 +227,7 @@ int xdmf_read_nodes(xdmf_reader *r, xdmf_mesh *m) {
                                          : read_bytes(r, &m->geometry[i], k);
     if (status || form != XDMF_TEXT)
         return status ? status : io_components_end(r->model, r->error);
-    if (r->model->n_spans > 0)
-        qsort(r->model->span, (size_t)r->model->n_spans, sizeof *r->model->span, compare_spans);
+    io_model_sort_spans(r->model);
     for (int64_t i = 0; r->model->columns < 3 && i < n; i++)
         r->model->xyz[3 * i + 2] = 0;
     return PLANISH_OK;
