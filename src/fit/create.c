@@ -88,8 +88,10 @@ static void hold_shared(planish_fit *fit, const cell_list *list, int64_t element
     enum { MANY = 3 };
     for (int k = 0; k < PL_CELL_FACET_PLACES; k++) {
         int32_t node[4];
-        if (list->census.n_sharing[element * PL_CELL_FACET_PLACES + k] >= MANY)
-            hold_nodes(fit, node, pl_cell_facet(&list->cells, element, k, node));
+        if (list->census.n_sharing[element * PL_CELL_FACET_PLACES + k] < MANY)
+            continue;
+        const int n = pl_cell_facet(&list->cells, element, k, node);
+        hold_nodes(fit, node, n);
     }
 }
 
