@@ -371,6 +371,30 @@ static void coordinates_come_back(void **state) {
     hdf5_superblock = 0;
 }
 
+/** The library writes where free space is as it closes the file. */
+static void free_space_may_be_kept(void **state) {
+    grid g = right;
+    hdf5_has_pages = 1;
+    g.chunk = 3;
+    g.is_packed = 1;
+    for (int i = 0; i < 2; i++) {
+        hdf5_superblock = 3 * i;
+        check_writing(*state, &g, 0);
+    }
+    hdf5_has_pages = hdf5_superblock = 0;
+}
+
+/** Why the library does not open a file is said: here its superblock is damaged. */
+static void reasons_of_the_library_are_told(void **state) {
+    (void)state;
+    hdf5_superblock = 3;
+    file_builder b = make(&right);
+    hdf5_superblock = 0;
+    b.data[20] ^= 1;
+    builder_expect_error(&b, &io_format_vtkhdf, "cannot be opened (HDF5: incorrect");
+    builder_release(&b);
+}
+
 static void the_input_may_be_replaced(void **state) {
     char path[TEST_PATH_SIZE];
     grid g = right;
@@ -442,6 +466,9 @@ int main(void) {
         cmocka_unit_test(nothing_breaks_it),
         cmocka_unit_test_setup_teardown(coordinates_come_back, test_folder_create,
                                         test_folder_remove),
+        cmocka_unit_test_setup_teardown(free_space_may_be_kept, test_folder_create,
+                                        test_folder_remove),
+        cmocka_unit_test(reasons_of_the_library_are_told),
         cmocka_unit_test_setup_teardown(the_input_may_be_replaced, test_folder_create,
                                         test_folder_remove),
         cmocka_unit_test(errors_are_told_as_before),

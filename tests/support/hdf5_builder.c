@@ -19,7 +19,7 @@ static hid_t must(hid_t result) {
     return result;
 }
 
-int hdf5_superblock = 0;
+int hdf5_superblock = 0, hdf5_has_pages = 0;
 const int hdf5_superblocks[HDF5_SUPERBLOCKS] = {0, 2, 3};
 
 void hdf5_begin(hdf5_builder *builder, hsize_t user_block) {
@@ -34,6 +34,8 @@ void hdf5_begin(hdf5_builder *builder, hsize_t user_block) {
     must(H5Pset_libver_bounds(access, version,
                               hdf5_superblock == 2 ? H5F_LIBVER_V18 : H5F_LIBVER_LATEST));
     must(H5Pset_userblock(create, user_block));
+    if (hdf5_has_pages)
+        must(H5Pset_file_space_strategy(create, H5F_FSPACE_STRATEGY_PAGE, 1, 1));
     builder->file = must(H5Fcreate(builder->path, H5F_ACC_TRUNC, create, access));
     H5Pclose(create);
     H5Pclose(access);

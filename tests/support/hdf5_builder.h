@@ -20,6 +20,9 @@ typedef struct hdf5_builder {
 /** Version of the superblock of files that are begun: 0, 2 or 3. A test that sets it sets it back to 0. */
 extern int hdf5_superblock;
 
+/** Whether files that are begun keep their free space, in pages. A test that sets it sets it back to 0. */
+extern int hdf5_has_pages;
+
 /** All of them. */
 enum { HDF5_SUPERBLOCKS = 3 };
 extern const int hdf5_superblocks[HDF5_SUPERBLOCKS];

@@ -347,12 +347,10 @@ static int amend_bytes(const amend_request *r, const char *data, int64_t size, c
     const amended *list = r->model->of_format;
     const int is_writing = changed != NULL;
     hdf5_copy copy = {.written = NULL};
-    io_hdf5 file = {.model = (io_model *)(uintptr_t)r->model,
-                    .error = error,
-                    .id = is_writing ? hdf5_open_copy(data, size, &copy)
-                                     : hdf5_open_bytes(data, size),
-                    .access = hdf5_link_access()};
+    io_hdf5 file = {
+        .model = (io_model *)(uintptr_t)r->model, .error = error, .access = hdf5_link_access()};
     int status = PLANISH_OK;
+    file.id = is_writing ? hdf5_open_copy(data, size, &copy) : hdf5_open_bytes(data, size);
     if (file.id < 0 || file.access < 0)
         status = hdf5_fail_library(&file, "/", "cannot be opened");
     for (int64_t i = 0; i < list->n && !status && (is_writing || !*is_changed); i++)

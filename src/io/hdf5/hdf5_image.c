@@ -19,8 +19,12 @@ static void *image_malloc(size_t size, H5FD_file_image_op_t op, void *image) {
     return image;
 }
 
-static void *copy_malloc(size_t size, H5FD_file_image_op_t op, void *copy) {
-    return op == H5FD_FILE_IMAGE_OP_FILE_OPEN ? malloc(size) : ((hdf5_copy *)copy)->of;
+static void *copy_malloc(size_t size, H5FD_file_image_op_t op, void *data) {
+    hdf5_copy *copy = data;
+    if (op != H5FD_FILE_IMAGE_OP_FILE_OPEN)
+        return copy->of;
+    copy->size = (int64_t)size;
+    return malloc(size);
 }
 
 static void *image_copy(void *to, const void *from, size_t size, H5FD_file_image_op_t op,
@@ -35,9 +39,12 @@ static void *image_realloc(void *at, size_t size, H5FD_file_image_op_t op, void 
     return NULL;
 }
 
-static void *copy_realloc(void *at, size_t size, H5FD_file_image_op_t op, void *copy) {
-    (void)op, (void)copy;
-    return realloc(at, size);
+static void *copy_realloc(void *at, size_t size, H5FD_file_image_op_t op, void *data) {
+    hdf5_copy *copy = data;
+    void *made = realloc(at, size);
+    (void)op;
+    copy->size = made ? (int64_t)size : copy->size;
+    return made;
 }
 
 /** Free nothing: the bytes are the caller's. */
@@ -75,8 +82,7 @@ static hid_t open_by(H5FD_file_image_callbacks_t *callbacks, void *image, int64_
         H5Pset_file_image(access, image, (size_t)size) >= 0)
         /* The driver wants a name that no file has. */
         file = H5Fopen("/dev/null/mesh", flags, access);
-    if (access >= 0)
-        H5Pclose(access);
+    hdf5_release(access);
     return file;
 }
 
@@ -102,18 +108,22 @@ int64_t hdf5_user_block(hid_t file) {
     return failed ? -1 : (int64_t)size;
 }
 
+/** Find where a closed file ends in the memory that it was written to; -1 on failure. */
+static int64_t find_end(const hdf5_copy *copy) {
+    const hid_t file = hdf5_open_bytes(copy->written, copy->size);
+    const int64_t user_block = file < 0 ? -1 : hdf5_user_block(file);
+    const ssize_t length = user_block < 0 ? -1 : H5Fget_file_image(file, NULL, 0);
+    hdf5_release(file);
+    return length < 0 || user_block + length > copy->size ? -1 : user_block + length;
+}
+
 int hdf5_take_bytes(io_hdf5 *file, const hdf5_copy *copy, char **bytes, int64_t *size) {
-    const int64_t user_block = hdf5_user_block(file->id);
-    const ssize_t length = user_block < 0 || H5Fflush(file->id, H5F_SCOPE_GLOBAL) < 0
-                               ? -1
-                               : H5Fget_file_image(file->id, NULL, 0);
-    /* Not the bytes of that image: its superblock says that the file is closed, but has the checksum of an
-     * open one. */
+    /* The library still writes as it closes the file: free space, checksums, and that it is closed. */
     const int is_closed = H5Fclose(file->id) >= 0;
     file->id = -1;
-    if (length < 0 || !is_closed || !copy->written)
+    *size = is_closed && copy->written ? find_end(copy) : -1;
+    if (*size < 0)
         return hdf5_fail_library(file, "/", "its coordinates cannot be changed");
-    *size = user_block + length;
     *bytes = pl_alloc(*size, 1);
     if (!*bytes)
         return pl_fail_memory(file->error, file->model->input.path);

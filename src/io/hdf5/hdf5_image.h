@@ -10,7 +10,8 @@ hid_t hdf5_open_bytes(const char *data, int64_t size);
 /** A copy of bytes that the library changes. */
 typedef struct hdf5_copy {
     void *of;      /* the bytes that it was made of */
-    void *written; /* by malloc: all that the library wrote; NULL until it has closed the file */
+    void *written; /* by malloc: all that the library wrote; NULL until it has closed the file, */
+    int64_t size;  /* and the bytes there, of which some behind the file may be free */
 } hdf5_copy;
 
 /** Open a copy in memory of the bytes as a file to be changed; negative on failure. copy stays where it is

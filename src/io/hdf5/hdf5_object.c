@@ -71,8 +71,13 @@ int hdf5_fail_library(io_hdf5 *file, const char *path, const char *text) {
 /* ---- objects ------------------------------------------------------------------------------ */
 
 void hdf5_release(hid_t id) {
-    if (id >= 0)
-        H5Idec_ref(id);
+    if (id < 0)
+        return;
+    /* What is said of an error is still asked for: a call would clear it. */
+    const hid_t errors = H5Eget_num(H5E_DEFAULT) > 0 ? H5Eget_current_stack() : -1;
+    H5Idec_ref(id);
+    if (errors >= 0)
+        H5Eset_current_stack(errors);
 }
 
 /** Refuse a link to another file. */
