@@ -168,6 +168,11 @@ for kind in quads hexes prisms; do
     expect_status 0 "$program" smooth moved.mesh -o out.mesh --layers keep --json report.json
     expect_json 'r["after"]["inverted"] == 0 and r["target"] == "layers"'
 done
+# A corner that is flat for good: what holds heights is not the reason.
+python3 make.py quads 0 0.45 | sed '5s/.*/0.5 0 0/' >flat.mesh
+expect_status 1 "$program" smooth flat.mesh -o out.mesh --json report.json
+expect_text "cannot be made valid by moving free nodes (element 1)"
+expect_json 'r["layer_heights"]["held_nodes"] > 0 and r["inverted_held"]["fix_layers"] == 0'
 for kind in triangles tets; do # layers of these have a note, as before
     python3 make.py $kind 0 0.1 >pushed.mesh
     expect_status 0 "$program" smooth pushed.mesh -o out.mesh --json report.json

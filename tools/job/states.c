@@ -111,6 +111,14 @@ const char *pl_holder_option(const pl_job *job, pl_holder holder) {
                                                                     : options[holder];
 }
 
+/** What options hold a node by, as bits. What holds its height is none: it holds no node that an inverted
+ *  element needs. */
+static unsigned held_by_options(const pl_job *job, const uint16_t *bits, int32_t node) {
+    const uint8_t *asked = job->wanted.constraint;
+    const int is_height = asked && asked[node] != PLANISH_CONSTRAINT_FIXED;
+    return bits[node] & ~(is_height ? 1U << PL_CAUSE_LAYERS : 0);
+}
+
 /** The first option that alone holds a node of an element; -1: none does. bits [n_nodes] as
  *  pl_held_find. */
 static int holder_of(const pl_job *job, const uint16_t *bits, int64_t element) {
@@ -122,7 +130,7 @@ static int holder_of(const pl_job *job, const uint16_t *bits, int64_t element) {
     for (int i = 0; i < PL_N_HOLDERS; i++)
         all |= of[i];
     for (int j = 0; j < corners; j++) {
-        const unsigned here = bits[corner[j]];
+        const unsigned here = held_by_options(job, bits, corner[j]);
         found |= here & ~all ? 0 : here;
     }
     for (int i = 0; i < PL_N_HOLDERS; i++)
