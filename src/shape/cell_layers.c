@@ -93,13 +93,14 @@ static int thinness_without(const pl_cell_shape *shape, const family families[FA
     return PL_IS_GIVEN | factor | (is_thin ? PL_IS_THIN : 0) | (is_wide ? PL_IS_WIDE : 0);
 }
 
-/** The same, of a drawn solid in its plane if the element is thin there. */
+/** The same; of a drawn solid in its plane, where wedges have no uprights. */
 static int thinness_of(const thin_search *s, const pl_cell_shape *shape, const int32_t *node) {
     family families[FAMILIES] = {{0}};
     find_families(s, shape, node, families);
     const unsigned drawn = pl_drawn_factors(&s->drawn, s->mesh, shape, node);
-    const int in_plane = drawn ? thinness_without(shape, families, drawn) : 0;
-    return in_plane & PL_IS_THIN ? in_plane : thinness_without(shape, families, 0);
+    if (drawn && shape->n_simplices == 2)
+        return thinness_without(shape, families, 0) & ~(PL_IS_THIN | PL_IS_WIDE);
+    return thinness_without(shape, families, drawn);
 }
 
 static void find_thinness_chunk(void *context, int64_t begin, int64_t end, int thread) {

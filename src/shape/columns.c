@@ -52,7 +52,7 @@ static int find_factor_without(const pl_cell_shape *shape, const factor_edges *e
     return is_flat;
 }
 
-/** The same, of a drawn solid in its plane if the element is flat there (cell_layers.c). */
+/** The same; of a drawn solid in its plane, where wedges are not flat (cell_layers.c). */
 static int find_factor(const pl_columns *c, const pl_cell_shape *shape, const int32_t *node,
                        pl_layer_cell *cell) {
     factor_edges edges = {.n = {0}};
@@ -62,8 +62,8 @@ static int find_factor(const pl_columns *c, const pl_cell_shape *shape, const in
         edges.n[f]++;
     }
     const unsigned drawn = pl_drawn_factors(&c->drawn, c->mesh, shape, node);
-    return (drawn && find_factor_without(shape, &edges, drawn, cell)) ||
-           find_factor_without(shape, &edges, 0, cell);
+    const int is_wedge = shape->n_simplices == 2;
+    return find_factor_without(shape, &edges, is_wedge ? 0 : drawn, cell) && !(drawn && is_wedge);
 }
 
 /** Find the upright of a simplex, its shortest edge; whether it is flat. */

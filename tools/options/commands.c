@@ -18,7 +18,7 @@ static const pl_command_text command_table[] = {
     {PL_COMMAND_SMOOTH, "smooth", "IN OUT", "mesh file", 0, 1, "smooth a mesh",
      "Move the interior nodes of the mesh IN to minimise the root mean square (RMS) of\n"
      "the radius ratios, which are 1 for regular elements and larger for others.\n"
-     "planish first repairs inverted elements. Valid elements stay valid. By default\n"
+     "planish first repairs inverted elements. A valid mesh stays valid. By default\n"
      "the worst element with a movable node never gets worse, and the smallest angle\n"
      "never gets smaller; minimum volumes and other objectives relax this. Mid-side\n"
      "nodes of second-order elements follow their corners. The result has the same\n"
