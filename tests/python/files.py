@@ -292,6 +292,41 @@ class Files(unittest.TestCase):
                                   (["--method", "laplacian"], {"method": "laplacian"})):
             self.same_as_the_program(path, options, **keywords)
 
+    @staticmethod
+    def rows_of_quads(rows=16, thin=6, push=0.4, seed=1, is_inverted=False):
+        """Points and cells of rows over a wall, thin ones and others, with bent columns; two of the others are inverted."""
+        n, random = 16, np.random.default_rng(seed)
+        heights = 0.004 * (1.3 ** np.arange(thin + 1) - 1) / 0.3
+        heights = np.concatenate([heights, heights[-1] + np.arange(1, rows - thin + 1) / n])
+        points = np.stack(np.meshgrid(np.arange(n + 1) / n, heights, indexing="ij"), axis=-1)
+        points[1:-1, 1:-1, 0] += push / n * random.uniform(-1, 1, (n + 1, rows + 1))[1:-1, 1:-1]
+        points[8, 12, 0] += 1.3 / n * is_inverted
+        first = np.arange((n + 1) * (rows + 1)).reshape(n + 1, rows + 1)[:-1, :-1].reshape(-1, 1)
+        return points.reshape(-1, 2), first + [0, rows + 1, rows + 2, 1]
+
+    @unittest.skipIf(not PROGRAM, "without the program")
+    def test_heights_that_change_by_much_have_the_programs_bytes(self):
+        """Nodes of layers are held, also in a mesh that is not valid, but not those that inverted elements need."""
+        script = DATA.parent / "cli" / "layers_second.py"
+        for dim, bump in ((3, 1), (3, 1.5), (2, 2), (2, 20)):
+            path = self.folder / "second.vtk"
+            with path.open("w") as file:
+                subprocess.run([sys.executable, script, str(dim), str(bump)], stdout=file, check=True)
+            self.same_as_the_program(path, ["-j", "1"], threads=1)
+        many = {"rows": 32, "thin": 12, "push": 0.3, "seed": 2}  # in the end all nodes of layers are held
+        for options in {"is_inverted": False}, {"is_inverted": True}, many:
+            points, cells = self.rows_of_quads(**options)
+            path = self.write("linear.vtk", np.column_stack([points, np.zeros(len(points))]), [("quad", cells)])
+            self.same_as_the_program(path, ["-j", "1"], threads=1)
+            self.same_as_the_program(path, ["-j", "1", "--slide", "auto", "--max-sweeps", "5"], threads=1, slide="auto",
+                                     max_sweeps=5)
+            for kind in np.float64, np.float32:
+                start = points.astype(kind)
+                moved = start.copy()
+                self.assertEqual(planish.smooth(moved, {"quad": cells}, threads=1).n_inverted, 0)
+                heights = planish.layer_heights(moved, {"quad": cells}, start=start).all
+                self.assertTrue(0.89 < heights.min and heights.max < 1.11, heights)
+
     @unittest.skipIf(not PROGRAM, "without the program")
     def test_tilted_planes_have_the_programs_bytes(self):
         """Rounding in a tilted plane, of doubles and of floats, breaks no promise."""
