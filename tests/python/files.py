@@ -292,6 +292,60 @@ class Files(unittest.TestCase):
                                   (["--method", "laplacian"], {"method": "laplacian"})):
             self.same_as_the_program(path, options, **keywords)
 
+    @staticmethod
+    def rows_of_quads(rows=16, thin=6, push=0.4, seed=1, is_inverted=False):
+        """Points and cells of rows over a wall, thin ones and others, with bent columns; two of the others are inverted."""
+        n, random = 16, np.random.default_rng(seed)
+        heights = 0.004 * (1.3 ** np.arange(thin + 1) - 1) / 0.3
+        heights = np.concatenate([heights, heights[-1] + np.arange(1, rows - thin + 1) / n])
+        points = np.stack(np.meshgrid(np.arange(n + 1) / n, heights, indexing="ij"), axis=-1)
+        points[1:-1, 1:-1, 0] += push / n * random.uniform(-1, 1, (n + 1, rows + 1))[1:-1, 1:-1]
+        points[8, 12, 0] += 1.3 / n * is_inverted
+        first = np.arange((n + 1) * (rows + 1)).reshape(n + 1, rows + 1)[:-1, :-1].reshape(-1, 1)
+        return points.reshape(-1, 2), first + [0, rows + 1, rows + 2, 1]
+
+    def layers_second(self, dim, bump):
+        """Write the mesh of layers of second order of a test of the program."""
+        path = self.folder / "second.vtk"
+        with path.open("w") as file:
+            subprocess.run([sys.executable, DATA.parent / "cli" / "layers_second.py", str(dim), str(bump)], stdout=file,
+                           check=True)
+        return path
+
+    @unittest.skipIf(not PROGRAM, "without the program")
+    def test_heights_that_change_by_much_have_the_programs_bytes(self):
+        """Nodes of layers are held, also in a mesh that is not valid, but not those that inverted elements need."""
+        for dim, bump in ((3, 1), (3, 1.5), (2, 2), (2, 20)):
+            self.same_as_the_program(self.layers_second(dim, bump), ["-j", "1"], threads=1)
+        many = {"rows": 32, "thin": 12, "push": 0.3, "seed": 2}  # in the end all nodes of layers are held
+        for options in {"is_inverted": False}, {"is_inverted": True}, many:
+            points, cells = self.rows_of_quads(**options)
+            path = self.write("linear.vtk", np.column_stack([points, np.zeros(len(points))]), [("quad", cells)])
+            self.same_as_the_program(path, ["-j", "1"], threads=1)
+            self.same_as_the_program(path, ["-j", "1", "--slide", "auto", "--max-sweeps", "5"], threads=1, slide="auto",
+                                     max_sweeps=5)
+            for kind in np.float64, np.float32:
+                start = points.astype(kind)
+                moved = start.copy()
+                self.assertEqual(planish.smooth(moved, {"quad": cells}, threads=1).n_inverted, 0)
+                heights = planish.layer_heights(moved, {"quad": cells}, start=start).all
+                self.assertTrue(0.89 < heights.min and heights.max < 1.11, heights)
+
+    def test_a_result_stands_if_later_rounds_are_stopped(self):
+        """With nodes held two elements are not repaired, so that the first result comes back."""
+        path, times = self.layers_second(2, 20), [0.0]
+
+        def stop_second(step):
+            times.append(step.elapsed)
+            return times[-1] < times[-2]
+
+        whole, stopped = planish.read(path), planish.read(path)
+        result = planish.smooth(whole, threads=1)
+        self.assertEqual((result.stop, result.n_inverted), ("converged", 0))
+        result = planish.smooth(stopped, threads=1, progress=stop_second)
+        self.assertEqual((result.stop, result.n_inverted), ("interrupted", 0))
+        np.testing.assert_array_equal(stopped.points, whole.points)
+
     @unittest.skipIf(not PROGRAM, "without the program")
     def test_tilted_planes_have_the_programs_bytes(self):
         """Rounding in a tilted plane, of doubles and of floats, breaks no promise."""

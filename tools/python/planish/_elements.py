@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from . import _holders
 from ._arrays import Array, address, joined, narrow, simplices
 from ._blocks import Block, blocks_by_type, blocks_of_mesh, is_by_type
-from ._cell_types import HELD, SIMPLICES, TRIANGLE, TYPES, WIDTHS
+from ._cell_types import CORNERS, HELD, SIMPLICES, TRIANGLE, TYPES, WIDTHS
 from ._structures import Cells
 
 
@@ -103,6 +103,13 @@ class Elements:
             return self.simple[chosen].ravel()
         nodes: Array = self.layout.nodes[np.repeat(chosen, np.diff(self.layout.offsets))]
         return nodes[nodes >= 0]
+
+    def corners_of_all(self) -> tuple[Array, Array]:
+        """Return the corners of all elements, and the element that each of these is one of."""
+        layout = self.as_layout()
+        owner = np.repeat(np.arange(self.n), np.diff(layout.offsets))
+        is_corner = np.arange(len(owner)) - layout.offsets[owner] < CORNERS[layout.types][owner]
+        return layout.nodes[is_corner], owner[is_corner]
 
     def as_layout(self) -> Layout:
         """Return the elements as planish_cells has them."""

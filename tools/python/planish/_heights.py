@@ -1,9 +1,12 @@
-"""Heights of kept layers: where a run changes them by much, nodes are held, and the run begins again."""
+"""Heights of kept layers: where a run changes them by much, nodes are held, and the run begins again.
+
+The rounds are those of the program (tools/commands/rounds.c, tools/job/heights.c).
+"""
 
 from __future__ import annotations
 
 from ctypes import byref
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,11 +16,10 @@ from ._choices import RunChoices
 from ._library import call, library, threads_to_use
 from ._plan import Plan
 from ._results import LayerHeights, Result
-from ._structures import MeshView
-from ._view import View
 
-_MUCH, _HELD_FROM = 0.1, 0.05  # parts of a height, as in the program (tools/job/heights.c)
-_ROUNDS = 6
+_MUCH, _HELD_FROM = 0.1, 0.05  # parts of a height
+_HOLDS, _RELEASES = 7, 2  # rounds that hold more nodes, at most, and rounds that let nodes go again
+_RELEASED_RINGS = 4  # of elements around those that are not valid whose nodes are not held
 _LEAST_TIME = 1e-3  # seconds
 _FIXED = 1  # planish_constraint
 _VALID = 1  # planish_cell_state
@@ -25,41 +27,121 @@ _HAS_ENDED = ("converged", "max-sweeps")
 
 
 def run_with_layers(plan: Plan, run: RunChoices) -> Result:
-    """Smooth in place. Begin again with nodes held where kept layers of a valid mesh change their heights by much."""
-    view = plan.view
-    if not view.mesh.is_layer or plan.fit is not None or (view.states() != _VALID).any():
+    """Smooth in place. Begin again with nodes held where kept layers change their heights by much.
+
+    Nodes that inverted elements need are let go again: no more of these are left than by the first run.
+    """
+    if plan.view.is_layer is None or plan.fit is not None:
         return plan.run(None, run)
-    start: NDArray[Any] = np.array(view.given)
-    result, seconds = plan.run(None, run), 0.0
-    for _ in range(_ROUNDS):
-        if result.stop not in _HAS_ENDED or not _hold(view, start):
-            break
-        seconds += result.seconds
-        view.given[...] = start
-        plan.renew()
-        left = max(run.time_limit - seconds, _LEAST_TIME) if run.time_limit > 0 else 0
-        result = plan.run(None, run._replace(time_limit=left))
-    result.seconds += seconds
-    return result
+    return _Rounds(plan, run).smooth()
 
 
-def _hold(view: View, start: NDArray[Any]) -> int:
-    """Fix the nodes at which heights are off those at start, if some are by much. Return the number of new ones."""
-    off = _off(view, start)
-    if not off.max(initial=0) > _MUCH:
-        return 0
-    new = off > _HELD_FROM
-    if view.constraint is not None:
-        new &= view.constraint != _FIXED
-    view.fix(new)
-    return int(new.sum())
+class _Standing(NamedTuple):
+    """A result that can come back after rounds that hold more nodes."""
+
+    points: NDArray[Any]
+    held: NDArray[np.bool_]
+    result: Result
 
 
-def _off(view: View, start: NDArray[Any]) -> NDArray[np.float64]:
-    """Return by how much heights at each node [n] are off those at start, in parts of these."""
-    now, before = (Points(points, view.dim, view.points.strides) for points in (view.given, start))
-    mesh, off = MeshView.from_buffer_copy(view.mesh), np.zeros(view.n)
-    mesh.coordinates, mesh.reference = address(now.array), address(before.array)
-    mesh.size = mesh.metric = None
-    call(library.planish_measure_layers, byref(mesh), threads_to_use(view.threads), byref(LayerHeights()), pointer(off))
-    return off
+class _Rounds:
+    """Rounds of smoothing from the same start, with other nodes held."""
+
+    def __init__(self, plan: Plan, run: RunChoices) -> None:
+        """Take the mesh as it is, and smooth it once."""
+        view = plan.view
+        self.plan, self.view, self.run = plan, view, run
+        self.start: NDArray[Any] = np.array(view.given)
+        self.constraint = np.zeros(view.n, dtype=np.uint8) if view.constraint is None else view.constraint.copy()
+        self.held, self.released = np.zeros(view.n, dtype=bool), np.zeros(view.n, dtype=bool)
+        self.nodes, self.owner = view.elements.corners_of_all()
+        self.n_holds, self.n_releases = 0, 0
+        self.is_tangled = bool((view.states() > _VALID).any())
+        self.result = plan.run(None, run)
+        self.seconds = self.result.seconds
+        self.faulty = self._find_faulty()
+        self.n_first = self.faulty.sum()
+        self.standing = _Standing(self.start, self.held, self.result)
+
+    def smooth(self) -> Result:
+        """Hold nodes in rounds until no heights change by much."""
+        while self.result.stop in _HAS_ENDED and self._change_nodes():
+            self._smooth_again()
+        if self.faulty.sum() > self.n_first:
+            self._let_standing_return()
+        self.result.seconds = self.seconds
+        return self.result
+
+    def _find_faulty(self) -> NDArray[np.bool_]:
+        """Return a mask [m] of the elements that are not valid now, if some were not before."""
+        if not self.is_tangled:
+            return np.zeros(self.view.elements.n, dtype=bool)
+        faulty: NDArray[np.bool_] = self.view.states() > _VALID
+        return faulty
+
+    def _change_nodes(self) -> bool:
+        """Hold more nodes, or let those around elements go that are not valid as nodes are held. Return whether any."""
+        held = self.held
+        if self.faulty.sum() > self.n_first and self.n_releases < _RELEASES:
+            self.n_releases += 1
+            held = self._without_released()
+        elif self.faulty.sum() <= self.n_first and self.n_holds < _HOLDS:
+            self.n_holds += 1
+            held = self._with_chosen()
+            if (held != self.held).any() and self.is_tangled:
+                self.standing = _Standing(np.array(self.view.given), self.held, self.result)
+        is_new = bool((held != self.held).any())
+        self.held = held
+        return is_new
+
+    def _with_chosen(self) -> NDArray[np.bool_]:
+        """Return the mask of held nodes with those at which heights are off, if some are by much; in the end of all."""
+        off = self._off()
+        off[self.released] = 0
+        if not np.fmax.reduce(off, initial=0) > _MUCH:
+            return self.held
+        if self.n_holds == _HOLDS:
+            assert self.view.is_layer is not None
+            off[self.nodes[self.view.is_layer[self.owner]]] = np.inf
+        held: NDArray[np.bool_] = self.held | ((off > _HELD_FROM) & (self.constraint != _FIXED) & ~self.released)
+        return held
+
+    def _without_released(self) -> NDArray[np.bool_]:
+        """Release the nodes of faulty elements and rings around all released ones. Return the mask of held nodes."""
+        faulty = self.faulty.copy()
+        self.released[self.nodes[faulty[self.owner]]] = True
+        for _ in range(_RELEASED_RINGS):
+            faulty[self.owner[self.released[self.nodes]]] = True
+            self.released[self.nodes[faulty[self.owner]]] = True
+        return self.held & ~self.released
+
+    def _begin_again(self) -> None:
+        """Go back to the start, with the nodes held that are held now."""
+        self.view.constrain(np.where(self.held, _FIXED, self.constraint).astype(np.uint8), self.view.direction)
+        self.view.given[...] = self.start
+        self.plan.renew()
+
+    def _smooth_again(self) -> None:
+        """Smooth again from the start, in what is left of the time."""
+        limit = self.run.time_limit
+        left = max(limit - self.seconds, _LEAST_TIME) if limit > 0 else 0
+        self._begin_again()
+        self.result = self.plan.run(None, self.run._replace(time_limit=left))
+        self.seconds += self.result.seconds
+        self.faulty = self._find_faulty()
+
+    def _let_standing_return(self) -> None:
+        """Let the result come back that stands. Sweeps that a limit or signal has ended say so still."""
+        last, self.held, self.result = self.result, self.standing.held, self.standing.result
+        self._begin_again()
+        self.view.given[...] = self.standing.points
+        if last.stop not in _HAS_ENDED:
+            self.result.end_as(last)
+
+    def _off(self) -> NDArray[np.float64]:
+        """Return by how much heights at each node [n] are off those at the start, in parts of these."""
+        view, off = self.view, np.zeros(self.view.n)
+        mesh, before = view.mesh_now(), Points(self.start, view.dim, view.points.strides)
+        mesh.reference, mesh.size, mesh.metric = address(before.array), None, None
+        call(library.planish_measure_layers, byref(mesh), threads_to_use(view.threads), byref(LayerHeights()), pointer(off))
+        return off

@@ -82,11 +82,8 @@ def _free_invalid(view: View, held: NDArray[np.bool_], n_held: int) -> None:
 
     If invalid elements are many, free all nodes: probably a wall was moved through its layers.
     """
-    invalid, layout = view.states() != _VALID, view.elements.as_layout()
-    owner = np.repeat(np.arange(len(invalid)), np.diff(layout.offsets))
-    corner = np.arange(len(owner)) - layout.offsets[owner] < CORNERS[layout.types][owner]
-    touches = corner & held[layout.nodes] & invalid[owner]
-    if _MANY * len(np.unique(owner[touches])) > n_held:
+    invalid, (nodes, owner) = view.states() != _VALID, view.elements.corners_of_all()
+    if _MANY * len(np.unique(owner[held[nodes] & invalid[owner]])) > n_held:
         held[:] = False
     held[view.elements.nodes_of(invalid)] = False
 
@@ -113,4 +110,5 @@ def _keep(view: View) -> None:
 def _make_targets(view: View, is_layer: NDArray[np.bool_]) -> None:
     if is_layer.any():
         view.prepare_targets()
+        view.is_layer = is_layer
         view.give("is_layer", is_layer.astype(np.uint8))

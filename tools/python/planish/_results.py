@@ -366,6 +366,10 @@ class Result(Printed):
         """Reason why smoothing ended: converged, max-sweeps, time-limit, interrupted or infeasible."""
         return ("converged", "max-sweeps", "time-limit", "interrupted", "infeasible")[self._stop]
 
+    def end_as(self, other: Result) -> None:
+        """Take the reason of another result why smoothing ended."""
+        self._stop = other._stop
+
     def as_dict(self) -> dict[str, Any]:
         """Return the values by name."""
         return {**super().as_dict(), "stop": self.stop}

@@ -33,6 +33,7 @@ class View:
         self.constraint: Optional[NDArray[np.uint8]] = None
         self.direction: Optional[NDArray[np.float64]] = None
         self.layer_nodes: Optional[NDArray[np.bool_]] = None  # held as those of layers
+        self.is_layer: Optional[NDArray[np.bool_]] = None  # mask of the elements that keep their heights
         self.region: Optional[NDArray[np.int32]] = None
         self.region_arrays: list[str] = []
         self.has_targets = False
@@ -167,10 +168,17 @@ class View:
              pointer(constraint), pointer(direction), byref(info))
         return info, constraint, direction
 
+    def mesh_now(self) -> MeshView:
+        """Return the structure with the coordinates of the points as they are now, until the next call."""
+        self._now = Points(self.given, self.dim, self.points.strides)
+        mesh = MeshView.from_buffer_copy(self.mesh)
+        mesh.coordinates = address(self._now.array)
+        return mesh
+
     def states(self) -> NDArray[np.uint8]:
-        """Return the planish_cell_state of each element."""
+        """Return the planish_cell_state of each element as points are now."""
         state = np.zeros(self.mesh.n_elements, dtype=np.uint8)
-        call(library.planish_measure_cells, byref(self.mesh), c_double(self.rounding(None)),
+        call(library.planish_measure_cells, byref(self.mesh_now()), c_double(self.rounding(None)),
              threads_to_use(self.threads), byref(CellQuality()), byref(CellValueArrays(state=address(state))))
         return state
 
