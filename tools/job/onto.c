@@ -46,7 +46,7 @@ static int make_other(pl_job *job, const planish_mesh *mesh, const planish_surfa
                : 0;
 }
 
-/** Make the shape of the other surface again if its triangles are to be joined. */
+/** Make the shape of the other surface again if its facets are to be joined. */
 static int join_other(pl_job *job, planish_mesh mesh, planish_surface surface,
                       planish_error *error) {
     pl_onto *onto = &job->onto;
@@ -54,11 +54,12 @@ static int join_other(pl_job *job, planish_mesh mesh, planish_surface surface,
     int status = 0;
     if (!mesh.cells || (onto->info.n_open_edges == 0 && onto->info.n_nonmanifold_edges == 0))
         return 0;
-    if (!pl_join_triangles(&mesh, &surface, &joined)) {
+    if (!pl_join_facets(&mesh, &surface, &joined)) {
         status = pl_job_complain_memory(job, "the other surface");
-    } else if (joined.cells.n > 0 && (joined.n_points > 0 || joined.n_triangles > 0)) {
+    } else if (joined.cells.n > 0 && (joined.n_points > 0 || joined.n_left_out > 0)) {
         onto->n_joined = joined.n_points;
-        onto->n_left_out = joined.n_triangles;
+        onto->n_left_out = joined.n_left_out;
+        onto->n_quadrilaterals_out = joined.n_quadrilaterals_out;
         mesh.cells = &joined.cells;
         mesh.n_elements = joined.cells.n;
         surface.region = joined.region;
@@ -232,16 +233,16 @@ int pl_onto_measure(pl_job *job) {
                : 0;
 }
 
-/** Say which points and triangles of the other surface were joined. */
+/** Say which points of the other surface were joined, and which facets are left out. */
 static void note_joined(FILE *stream, const pl_onto *onto, const char *file) {
     if (onto->n_joined > 0)
         pl_note(stream, "%" PRId64 " point%s of %s %s where others are, and joined to them",
                 onto->n_joined, onto->n_joined == 1 ? "" : "s", file,
                 onto->n_joined == 1 ? "is" : "are");
     if (onto->n_left_out > 0)
-        pl_note(stream, "%" PRId64 " triangle%s of %s %s left out: without area, or there twice",
-                onto->n_left_out, onto->n_left_out == 1 ? "" : "s", file,
-                onto->n_left_out == 1 ? "is" : "are");
+        pl_note(stream, "%" PRId64 " %s%s of %s %s left out: without area, or there twice",
+                onto->n_left_out, onto->n_quadrilaterals_out > 0 ? "facet" : "triangle",
+                onto->n_left_out == 1 ? "" : "s", file, onto->n_left_out == 1 ? "is" : "are");
 }
 
 /** Say that the triangles of the other surface join nothing, as where each has points of its own. */
