@@ -168,6 +168,9 @@ def put(name, facets, own, again=()):
 for name, facets, again in ("one", quads[:1] + triangles[2:], (3,)), ("all", quads, (0, 5)):
     put(name + "-welded.off", facets, False)
     put(name + "-own.off", facets, True, again)
+v = quads[0]
+put("collapsed.off", [[v[0], v[0], v[1]], *quads[:1], *triangles[2:]], False)
+put("line.off", [*quads[:1], *triangles[2:], [v[0], v[1], v[0], v[1]]], False)
 END
 for name in one all; do
     expect_status 0 "$program" smooth coarse.mesh --onto $name-welded.off -o welded.mesh -q
@@ -177,6 +180,18 @@ for name in one all; do
     expect_text "note: $([ $name = one ] && echo "1 triangle of one-own.off is" || echo "2 facets of all-own.off are") left out"
     cmp -s welded.mesh joined.mesh || fail "$name: points of their own change nothing"
 done
+# Facets with less than three nodes are left out, also where all points are joined.
+"$program" smooth coarse.mesh --onto one-welded.off -o welded.mesh -q
+for name in collapsed line; do
+    expect_status 0 "$program" smooth coarse.mesh --onto $name.off -o joined.mesh
+    ! grep -q "points" err || fail "$(cat err)"
+    expect_text "note: 1 $([ $name = line ] && echo facet || echo triangle) of $name.off is left out: without area"
+    cmp -s welded.mesh joined.mesh || fail "$name.off: collapsed facets change nothing"
+done
+printf 'OFF\n2 1 0\n0 0 0\n1 0 0\n3 0 0 1\n' >only.off
+expect_status 2 "$program" smooth coarse.mesh --onto only.off -o no.mesh
+expect_one_line
+expect_text "remove the collapsed element"
 "$program" smooth coarse.mesh --onto loose.off -o stl.mesh >out 2>err
 expect_text "note: the 2352 triangles of loose.off are 2352 patches, and nodes stay in theirs: join its points"
 sed 's/^vertex/vertex nan/;t;' fine.stl >nan.stl

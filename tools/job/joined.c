@@ -193,8 +193,8 @@ static int copy_facets(const planish_cells *cells, const planish_surface *surfac
 }
 
 /** Make room; 0: there is no memory. */
-static int prepare(const planish_mesh *mesh, const planish_cells *cells, room *r) {
-    const size_t n = (size_t)cells->n + 1, n_nodes = (size_t)mesh->n_nodes + 1;
+static int prepare(const planish_cells *cells, int64_t nodes, room *r) {
+    const size_t n = (size_t)cells->n + 1, n_nodes = (size_t)nodes + 1;
     r->edges = malloc(((size_t)cells->offset[cells->n] + 1) * sizeof *r->edges);
     r->points = malloc(n_nodes * sizeof *r->points);
     r->facets = malloc(n * sizeof *r->facets);
@@ -213,12 +213,25 @@ static void free_room(room *r) {
     free(r->first);
 }
 
-int pl_join_facets(const planish_mesh *mesh, const planish_surface *surface, pl_joined *joined) {
-    room r = {.edges = NULL};
+int pl_joined_take(const planish_mesh *mesh, const planish_surface *surface, pl_joined *joined) {
     *joined = (pl_joined){.node = NULL};
     if (!are_facets(mesh->cells))
         return 1;
-    const int have = prepare(mesh, mesh->cells, &r) && copy_facets(mesh->cells, surface, joined);
+    uint8_t *is_out = calloc((size_t)mesh->cells->n + 1, 1);
+    const int have = copy_facets(mesh->cells, surface, joined) && is_out;
+    for (int64_t i = 0; have && i < joined->cells.n; i++) {
+        const facet f = facet_of(&joined->cells, i);
+        is_out[i] = (uint8_t)is_collapsed(&f);
+    }
+    if (have)
+        compact(joined, is_out);
+    free(is_out);
+    return have;
+}
+
+int pl_joined_join(const planish_mesh *mesh, int64_t n_edges, pl_joined *joined) {
+    room r = {.edges = NULL};
+    const int have = prepare(&joined->cells, mesh->n_nodes, &r);
     if (have) {
         leave_out(joined, r.facets, r.is_out);
         mark_borders(&joined->cells, r.edges, r.is_border);
@@ -227,8 +240,8 @@ int pl_join_facets(const planish_mesh *mesh, const planish_surface *surface, pl_
             joined->n_points += r.first[i] != i;
         for (int64_t i = 0; i < joined->offset[joined->cells.n]; i++)
             joined->node[i] = r.first[joined->node[i]];
-        for (int64_t i = 0; i < 2 * surface->n_edges; i++)
-            joined->edges[i] = r.first[surface->edges[i]];
+        for (int64_t i = 0; i < 2 * n_edges; i++)
+            joined->edges[i] = r.first[joined->edges[i]];
         leave_out(joined, r.facets, r.is_out);
     }
     free_room(&r);
