@@ -170,6 +170,10 @@ for name, facets, again in ("one", quads[:1] + triangles[2:], (3,)), ("all", qua
     put(name + "-own.off", facets, True, again)
 v = quads[0]
 put("collapsed.off", [[v[0], v[0], v[1]], *quads[:1], *triangles[2:]], False)
+poles = triangles[:1600] + [[f[0], f[0], *f[1:]] for f in triangles[1600:2000]] + [[*f, f[0]] for f in triangles[2000:]]
+put("triangles.off", triangles, False)
+put("poles.off", poles, False)
+put("poles-own.off", poles, True)
 put("line.off", [*quads[:1], *triangles[2:], [v[0], v[1], v[0], v[1]]], False)
 END
 for name in one all; do
@@ -187,6 +191,13 @@ for name in collapsed line; do
     ! grep -q "points" err || fail "$(cat err)"
     expect_text "note: 1 $([ $name = line ] && echo facet || echo triangle) of $name.off is left out: without area"
     cmp -s welded.mesh joined.mesh || fail "$name.off: collapsed facets change nothing"
+done
+# A quadrilateral with three nodes is a triangle.
+"$program" smooth coarse.mesh --onto triangles.off -o welded.mesh -q
+for name in poles poles-own; do
+    expect_status 0 "$program" smooth coarse.mesh --onto $name.off -o joined.mesh
+    ! grep -q "patches\|pieces\|left out" err || fail "$(cat err)"
+    cmp -s welded.mesh joined.mesh || fail "$name.off: quadrilaterals with three nodes are triangles"
 done
 printf 'OFF\n2 1 0\n0 0 0\n1 0 0\n3 0 0 1\n' >only.off
 expect_status 2 "$program" smooth coarse.mesh --onto only.off -o no.mesh

@@ -51,15 +51,14 @@ static int compare_points(const void *a, const void *b) {
     return by_place ? by_place : compare_numbers(&p->node, &q->node, 1);
 }
 
-/** List the edges of facets, but for those that have a node twice. Returns their number. */
+/** List the edges of facets. Returns their number. */
 static int64_t list_edges(const planish_cells *cells, edge *edges) {
     int64_t n = 0;
     for (int64_t i = 0; i < cells->n; i++)
         for (int64_t first = cells->offset[i], k = first; k < cells->offset[i + 1]; k++) {
             const int32_t a = cells->node[k],
                           b = cells->node[k + 1 < cells->offset[i + 1] ? k + 1 : first];
-            if (a != b)
-                edges[n++] = (edge){{a < b ? a : b, a < b ? b : a}};
+            edges[n++] = (edge){{a < b ? a : b, a < b ? b : a}};
         }
     return n;
 }
@@ -93,53 +92,63 @@ static void find_first(const planish_mesh *mesh, const uint8_t *is_border, point
             first[points[i].node] = first[points[i - 1].node];
 }
 
-/** Return a facet by its nodes. */
+/** Find the corners of a facet of n nodes: of neighbours in a quadrilateral at one node, one. Returns their number. */
+static int find_corners(const int32_t *node, int64_t n, int32_t corner[4]) {
+    int n_corners = 0;
+    for (int64_t k = 0; k < n; k++)
+        if (n == 3 || node[k] != node[(k + 1) % n])
+            corner[n_corners++] = node[k];
+    return n_corners;
+}
+
+/** Return a facet by its corners. */
 static facet facet_of(const planish_cells *cells, int64_t i) {
-    const int32_t *node = cells->node + cells->offset[i];
-    const int n = (int)(cells->offset[i + 1] - cells->offset[i]);
     facet f = {.node = {-1, -1, -1, -1}, .number = (int32_t)i};
+    int32_t corner[4];
     int lowest = 0;
+    const int64_t begin = cells->offset[i];
+    const int n = find_corners(cells->node + begin, cells->offset[i + 1] - begin, corner);
     for (int k = 1; k < n; k++)
-        lowest = node[k] < node[lowest] ? k : lowest;
+        lowest = corner[k] < corner[lowest] ? k : lowest;
     for (int k = 0; k < n; k++)
-        f.node[k] = node[(lowest + k) % n];
+        f.node[k] = corner[(lowest + k) % n];
     return f;
 }
 
-/** Whether a facet has less than three nodes. */
+/** Whether a facet has less than three corners, or two at one node. */
 static int is_collapsed(const facet *f) {
-    int n = 0;
-    for (int k = 0; k < 4; k++) {
-        int is_new = f->node[k] >= 0;
+    for (int k = 0; k < 4; k++)
         for (int l = 0; l < k; l++)
-            is_new = is_new && f->node[l] != f->node[k];
-        n += is_new;
-    }
-    return n < 3;
+            if (f->node[k] == f->node[l])
+                return 1;
+    return 0;
 }
 
-/** Take the facets that are not out to the front. */
+/** Take the facets that are not out to the front, with their corners. */
 static void compact(pl_joined *joined, const uint8_t *is_out) {
     planish_cells *cells = &joined->cells;
-    int64_t n_left = 0;
+    int64_t n_left = 0, end = 0;
     for (int64_t i = 0; i < cells->n; i++) {
-        const int64_t from = joined->offset[i], n = joined->offset[i + 1] - from,
-                      to = joined->offset[n_left];
+        const int64_t begin = end;
+        int32_t corner[4];
+        end = cells->offset[i + 1]; /* before it becomes that of one that is left */
+        const int n = find_corners(cells->node + begin, end - begin, corner);
         if (is_out[i]) {
             joined->n_left_out++;
-            joined->n_quadrilaterals_out += n == 4;
+            joined->n_quadrilaterals_out += cells->type[i] == PLANISH_CELL_QUADRILATERAL;
             continue;
         }
-        memmove(joined->node + to, joined->node + from, (size_t)n * sizeof *joined->node);
-        joined->type[n_left] = joined->type[i];
+        memcpy(joined->node + joined->offset[n_left], corner, (size_t)n * sizeof *corner);
+        joined->type[n_left] = n == 3 ? PLANISH_CELL_TRIANGLE : PLANISH_CELL_QUADRILATERAL;
         if (joined->region)
             joined->region[n_left] = joined->region[i];
-        joined->offset[++n_left] = to + n;
+        joined->offset[n_left + 1] = joined->offset[n_left] + n;
+        n_left++;
     }
     cells->n = n_left;
 }
 
-/** Leave out facets that have less than three nodes, or are there before. Those between two bodies, which turn against
+/** Leave out facets that are collapsed, or there before. Those between two bodies, which turn against
  *  each other, stay. facets and is_out [cells.n]: room. */
 static void leave_out(pl_joined *joined, facet *facets, uint8_t *is_out) {
     const int64_t n = joined->cells.n;

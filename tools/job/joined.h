@@ -23,8 +23,8 @@ typedef struct pl_joined {
 } pl_joined;
 
 /** Take the triangles and quadrilaterals of a mesh, which has cells, but for those with less than three nodes; none, if
- *  there are other cells. surface: their regions and edges. joined is to be freed in any case. Returns 0: there is no
- *  memory. */
+ *  there are other cells. A quadrilateral with three nodes becomes a triangle. surface: their regions and edges. joined is
+ *  to be freed in any case. Returns 0: there is no memory. */
 int pl_joined_take(const planish_mesh *mesh, const planish_surface *surface, pl_joined *joined);
 
 /** Join facets at borders: equal points there become one, and of facets between the same points that turn alike the first
