@@ -141,6 +141,68 @@ for file in twice.stl own.off both.off; do
     expect_json 'r["surface"]["unused_pieces"] == 0 and r["surface"]["off"] == 0'
     expect_json 'abs(r["surface"]["distance"] - json.load(open("fine.json"))["surface"]["distance"]) < 1e-4'
 done
+# So do quadrilaterals, and triangles beside one; of what is there twice one is left.
+python3 - <<'END'
+lines = open("fine-surface.mesh").read().split("\n")
+n = int(lines[2].split()[1])
+points = [" ".join(line.split()[:3]) for line in lines[3:3 + n]]
+triangles = [[int(i) - 1 for i in line.split()[:3]] for line in lines[4 + n:-2]]
+quads = [[*a, b[2]] for a, b in zip(triangles[::2], triangles[1::2])]  # (a, b, c), (a, c, d)
+
+
+def put(name, facets, own, again=()):
+    if own:
+        rows = [points[i] for f in facets for i in f]
+        starts = [sum(map(len, facets[:k])) for k in range(len(facets))]
+        facets = [list(range(start, start + len(f))) for start, f in zip(starts, facets)]
+    else:
+        number = {i: k for k, i in enumerate(dict.fromkeys(i for f in facets for i in f))}
+        rows = [points[i] for i in number]
+        facets = [[number[i] for i in f] for f in facets]
+    facets = facets + [[*facets[k][1:], facets[k][0]] for k in again]
+    with open(name, "w") as off:
+        print("OFF\n%d %d 0" % (len(rows), len(facets)), *rows, sep="\n", file=off)
+        print(*(" ".join(map(str, [len(f), *f])) for f in facets), sep="\n", file=off)
+
+
+for name, facets, again in ("one", quads[:1] + triangles[2:], (3,)), ("all", quads, (0, 5)):
+    put(name + "-welded.off", facets, False)
+    put(name + "-own.off", facets, True, again)
+v = quads[0]
+put("collapsed.off", [[v[0], v[0], v[1]], *quads[:1], *triangles[2:]], False)
+poles = triangles[:1600] + [[f[0], f[0], *f[1:]] for f in triangles[1600:2000]] + [[*f, f[0]] for f in triangles[2000:]]
+put("triangles.off", triangles, False)
+put("poles.off", poles, False)
+put("poles-own.off", poles, True)
+put("line.off", [*quads[:1], *triangles[2:], [v[0], v[1], v[0], v[1]]], False)
+END
+for name in one all; do
+    expect_status 0 "$program" smooth coarse.mesh --onto $name-welded.off -o welded.mesh -q
+    expect_status 0 "$program" smooth coarse.mesh --onto $name-own.off -o joined.mesh
+    ! grep -q "patches, and nodes stay in theirs" err || fail "$(cat err)"
+    expect_text "points of $name-own.off are where others are, and joined"
+    expect_text "note: $([ $name = one ] && echo "1 triangle of one-own.off is" || echo "2 facets of all-own.off are") left out"
+    cmp -s welded.mesh joined.mesh || fail "$name: points of their own change nothing"
+done
+# Facets with less than three nodes are left out, also where all points are joined.
+"$program" smooth coarse.mesh --onto one-welded.off -o welded.mesh -q
+for name in collapsed line; do
+    expect_status 0 "$program" smooth coarse.mesh --onto $name.off -o joined.mesh
+    ! grep -q "points" err || fail "$(cat err)"
+    expect_text "note: 1 $([ $name = line ] && echo facet || echo triangle) of $name.off is left out: without area"
+    cmp -s welded.mesh joined.mesh || fail "$name.off: collapsed facets change nothing"
+done
+# A quadrilateral with three nodes is a triangle.
+"$program" smooth coarse.mesh --onto triangles.off -o welded.mesh -q
+for name in poles poles-own; do
+    expect_status 0 "$program" smooth coarse.mesh --onto $name.off -o joined.mesh
+    ! grep -q "patches\|pieces\|left out" err || fail "$(cat err)"
+    cmp -s welded.mesh joined.mesh || fail "$name.off: quadrilaterals with three nodes are triangles"
+done
+printf 'OFF\n2 1 0\n0 0 0\n1 0 0\n3 0 0 1\n' >only.off
+expect_status 2 "$program" smooth coarse.mesh --onto only.off -o no.mesh
+expect_one_line
+expect_text "remove the collapsed element"
 "$program" smooth coarse.mesh --onto loose.off -o stl.mesh >out 2>err
 expect_text "note: the 2352 triangles of loose.off are 2352 patches, and nodes stay in theirs: join its points"
 sed 's/^vertex/vertex nan/;t;' fine.stl >nan.stl

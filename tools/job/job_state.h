@@ -81,10 +81,11 @@ typedef struct pl_curved {
 
 /** The surface of another file that the mesh's is fitted to. */
 typedef struct pl_onto {
-    planish_shape *own, *shape;   /* owned; NULL: there is no such file */
-    planish_shape_info info;      /* of shape */
-    int64_t n_joined, n_left_out; /* points and triangles of its file (joined.h) */
-    planish_fit *fit;             /* owned */
+    planish_shape *own, *shape;               /* owned; NULL: there is no such file */
+    planish_shape_info info;                  /* of shape */
+    int64_t n_joined;                         /* points of its file (joined.h) */
+    int64_t n_left_out, n_quadrilaterals_out; /* facets of it; of these */
+    planish_fit *fit;                         /* owned */
     planish_fit_info before, after;
     double worst_before; /* worst ratio of the mesh as it was read */
     uint64_t input_checksum;

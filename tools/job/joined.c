@@ -1,4 +1,4 @@
-/* joined: triangles that have points of their own, joined where these are equal. */
+/* joined: facets that have points of their own, joined where these are equal. */
 #include "job/joined.h"
 
 #include <stdlib.h>
@@ -15,10 +15,11 @@ typedef struct point {
     int32_t node;
 } point;
 
-/** A triangle, by its nodes in their order, from the lowest one on. */
-typedef struct triangle {
-    int32_t node[3], number;
-} triangle;
+/** A facet, by its nodes in their order, from the lowest one on. */
+typedef struct facet {
+    int32_t node[4]; /* the last one of a triangle is -1 */
+    int32_t number;
+} facet;
 
 static int compare_numbers(const int32_t *a, const int32_t *b, int n) {
     for (int i = 0; i < n; i++)
@@ -31,10 +32,10 @@ static int compare_edges(const void *a, const void *b) {
     return compare_numbers(((const edge *)a)->node, ((const edge *)b)->node, 2);
 }
 
-static int compare_triangles(const void *a, const void *b) {
-    const triangle *s = a, *t = b;
-    const int by_nodes = compare_numbers(s->node, t->node, 3);
-    return by_nodes ? by_nodes : compare_numbers(&s->number, &t->number, 1);
+static int compare_facets(const void *a, const void *b) {
+    const facet *f = a, *g = b;
+    const int by_nodes = compare_numbers(f->node, g->node, 4);
+    return by_nodes ? by_nodes : compare_numbers(&f->number, &g->number, 1);
 }
 
 static int compare_places(const point *p, const point *q) {
@@ -50,13 +51,21 @@ static int compare_points(const void *a, const void *b) {
     return by_place ? by_place : compare_numbers(&p->node, &q->node, 1);
 }
 
-/** Mark the nodes of borders: of edges of one triangle. edges [3 * triangles]: room. */
+/** List the edges of facets. Returns their number. */
+static int64_t list_edges(const planish_cells *cells, edge *edges) {
+    int64_t n = 0;
+    for (int64_t i = 0; i < cells->n; i++)
+        for (int64_t first = cells->offset[i], k = first; k < cells->offset[i + 1]; k++) {
+            const int32_t a = cells->node[k],
+                          b = cells->node[k + 1 < cells->offset[i + 1] ? k + 1 : first];
+            edges[n++] = (edge){{a < b ? a : b, a < b ? b : a}};
+        }
+    return n;
+}
+
+/** Mark the nodes of borders: of edges of one facet. edges: room for all sides of facets. */
 static void mark_borders(const planish_cells *cells, edge *edges, uint8_t *is_border) {
-    const int64_t n = 3 * cells->n;
-    for (int64_t i = 0; i < n; i++) {
-        const int32_t a = cells->node[i], b = cells->node[i % 3 == 2 ? i - 2 : i + 1];
-        edges[i] = (edge){{a < b ? a : b, a < b ? b : a}};
-    }
+    const int64_t n = list_edges(cells, edges);
     qsort(edges, (size_t)n, sizeof *edges, compare_edges);
     for (int64_t i = 0, next; i < n; i = next) {
         for (next = i + 1; next < n && compare_edges(&edges[i], &edges[next]) == 0;)
@@ -83,42 +92,79 @@ static void find_first(const planish_mesh *mesh, const uint8_t *is_border, point
             first[points[i].node] = first[points[i - 1].node];
 }
 
-/** Return a triangle by its nodes. */
-static triangle triangle_of(const int32_t *node, int32_t number) {
-    int lowest = 0;
-    for (int i = 1; i < 3; i++)
-        lowest = node[i] < node[lowest] ? i : lowest;
-    return (triangle){{node[lowest], node[(lowest + 1) % 3], node[(lowest + 2) % 3]}, number};
+/** Find the corners of a facet of n nodes: of neighbours in a quadrilateral at one node, one. Returns their number. */
+static int find_corners(const int32_t *node, int64_t n, int32_t corner[4]) {
+    int n_corners = 0;
+    for (int64_t k = 0; k < n; k++)
+        if (n == 3 || node[k] != node[(k + 1) % n])
+            corner[n_corners++] = node[k];
+    return n_corners;
 }
 
-/** Leave out triangles that have a node twice, or are there before. Those between two bodies, which turn against each
- *  other, stay. triangles and is_out [cells.n]: room. */
-static void leave_out(pl_joined *joined, triangle *triangles, uint8_t *is_out) {
+/** Return a facet by its corners. */
+static facet facet_of(const planish_cells *cells, int64_t i) {
+    facet f = {.node = {-1, -1, -1, -1}, .number = (int32_t)i};
+    int32_t corner[4];
+    int lowest = 0;
+    const int64_t begin = cells->offset[i];
+    const int n = find_corners(cells->node + begin, cells->offset[i + 1] - begin, corner);
+    for (int k = 1; k < n; k++)
+        lowest = corner[k] < corner[lowest] ? k : lowest;
+    for (int k = 0; k < n; k++)
+        f.node[k] = corner[(lowest + k) % n];
+    return f;
+}
+
+/** Whether a facet has less than three corners, or two at one node. */
+static int is_collapsed(const facet *f) {
+    for (int k = 0; k < 4; k++)
+        for (int l = 0; l < k; l++)
+            if (f->node[k] == f->node[l])
+                return 1;
+    return 0;
+}
+
+/** Take the facets that are not out to the front, with their corners. */
+static void compact(pl_joined *joined, const uint8_t *is_out) {
     planish_cells *cells = &joined->cells;
-    int64_t n_left = 0;
-    for (int64_t i = 0; i < cells->n; i++)
-        triangles[i] = triangle_of(joined->node + 3 * i, (int32_t)i);
-    qsort(triangles, (size_t)cells->n, sizeof *triangles, compare_triangles);
+    int64_t n_left = 0, end = 0;
     for (int64_t i = 0; i < cells->n; i++) {
-        const int32_t *v = triangles[i].node;
-        is_out[triangles[i].number] = v[0] == v[1] || v[1] == v[2] || v[2] == v[0] ||
-                                      (i > 0 && compare_numbers(triangles[i - 1].node, v, 3) == 0);
-    }
-    for (int64_t i = 0; i < cells->n; i++) {
-        if (is_out[i])
+        const int64_t begin = end;
+        int32_t corner[4];
+        end = cells->offset[i + 1]; /* before it becomes that of one that is left */
+        const int n = find_corners(cells->node + begin, end - begin, corner);
+        if (is_out[i]) {
+            joined->n_left_out++;
+            joined->n_quadrilaterals_out += cells->type[i] == PLANISH_CELL_QUADRILATERAL;
             continue;
-        memmove(joined->node + 3 * n_left, joined->node + 3 * i, 3 * sizeof *joined->node);
+        }
+        memcpy(joined->node + joined->offset[n_left], corner, (size_t)n * sizeof *corner);
+        joined->type[n_left] = n == 3 ? PLANISH_CELL_TRIANGLE : PLANISH_CELL_QUADRILATERAL;
         if (joined->region)
             joined->region[n_left] = joined->region[i];
+        joined->offset[n_left + 1] = joined->offset[n_left] + n;
         n_left++;
     }
-    joined->n_triangles += cells->n - n_left;
     cells->n = n_left;
 }
 
-static int are_triangles(const planish_cells *cells) {
+/** Leave out facets that are collapsed, or there before. Those between two bodies, which turn against
+ *  each other, stay. facets and is_out [cells.n]: room. */
+static void leave_out(pl_joined *joined, facet *facets, uint8_t *is_out) {
+    const int64_t n = joined->cells.n;
+    for (int64_t i = 0; i < n; i++)
+        facets[i] = facet_of(&joined->cells, i);
+    qsort(facets, (size_t)n, sizeof *facets, compare_facets);
+    for (int64_t i = 0; i < n; i++)
+        is_out[facets[i].number] =
+            is_collapsed(&facets[i]) ||
+            (i > 0 && compare_numbers(facets[i - 1].node, facets[i].node, 4) == 0);
+    compact(joined, is_out);
+}
+
+static int are_facets(const planish_cells *cells) {
     for (int64_t i = 0; i < cells->n; i++)
-        if (cells->type[i] != PLANISH_CELL_TRIANGLE)
+        if (cells->type[i] != PLANISH_CELL_TRIANGLE && cells->type[i] != PLANISH_CELL_QUADRILATERAL)
             return 0;
     return cells->n < INT32_MAX;
 }
@@ -127,67 +173,93 @@ static int are_triangles(const planish_cells *cells) {
 typedef struct room {
     edge *edges;
     point *points;
-    triangle *triangles;
+    facet *facets;
     uint8_t *is_border, *is_out;
     int32_t *first;
 } room;
 
-/** Make room, and copy what is changed; 0: there is no memory. */
-static int prepare(const planish_mesh *mesh, const planish_surface *surface, room *r,
-                   pl_joined *joined) {
-    const size_t n = (size_t)joined->cells.n + 1, n_nodes = (size_t)mesh->n_nodes + 1;
-    const size_t n_ends = 2 * (size_t)surface->n_edges;
-    r->edges = malloc(3 * n * sizeof *r->edges);
+/** Return a copy of n items, and room for one more; NULL: there is no memory. */
+static void *copy_of(const void *items, int64_t n, size_t size) {
+    void *copy = malloc(((size_t)n + 1) * size);
+    if (copy && n > 0)
+        memcpy(copy, items, (size_t)n * size);
+    return copy;
+}
+
+/** Copy what is changed; 0: there is no memory. */
+static int copy_facets(const planish_cells *cells, const planish_surface *surface,
+                       pl_joined *joined) {
+    joined->type = copy_of(cells->type, cells->n, sizeof *joined->type);
+    joined->offset = copy_of(cells->offset, cells->n + 1, sizeof *joined->offset);
+    joined->node = copy_of(cells->node, cells->offset[cells->n], sizeof *joined->node);
+    if (surface->region)
+        joined->region = copy_of(surface->region, cells->n, sizeof *joined->region);
+    joined->edges = copy_of(surface->edges, 2 * surface->n_edges, sizeof *joined->edges);
+    joined->cells = (planish_cells){
+        .n = cells->n, .type = joined->type, .offset = joined->offset, .node = joined->node};
+    return joined->type && joined->offset && joined->node && (joined->region || !surface->region) &&
+           joined->edges;
+}
+
+/** Make room; 0: there is no memory. */
+static int prepare(const planish_cells *cells, int64_t nodes, room *r) {
+    const size_t n = (size_t)cells->n + 1, n_nodes = (size_t)nodes + 1;
+    r->edges = malloc(((size_t)cells->offset[cells->n] + 1) * sizeof *r->edges);
     r->points = malloc(n_nodes * sizeof *r->points);
-    r->triangles = malloc(n * sizeof *r->triangles);
+    r->facets = malloc(n * sizeof *r->facets);
     r->is_border = calloc(n_nodes, 1);
     r->is_out = calloc(n, 1);
     r->first = malloc(n_nodes * sizeof *r->first);
-    joined->node = malloc(3 * n * sizeof *joined->node);
-    joined->region = surface->region ? malloc(n * sizeof *joined->region) : NULL;
-    joined->edges = malloc((n_ends + 1) * sizeof *joined->edges);
-    if (joined->node)
-        memcpy(joined->node, joined->cells.node, 3 * (n - 1) * sizeof *joined->node);
-    joined->cells.node = joined->node;
-    if (joined->region)
-        memcpy(joined->region, surface->region, (n - 1) * sizeof *joined->region);
-    return r->edges && r->points && r->triangles && r->is_border && r->is_out && r->first &&
-           joined->node && (joined->region || !surface->region) && joined->edges;
+    return r->edges && r->points && r->facets && r->is_border && r->is_out && r->first;
 }
 
 static void free_room(room *r) {
     free(r->edges);
     free(r->points);
-    free(r->triangles);
+    free(r->facets);
     free(r->is_border);
     free(r->is_out);
     free(r->first);
 }
 
-int pl_join_triangles(const planish_mesh *mesh, const planish_surface *surface, pl_joined *joined) {
-    const planish_cells *cells = mesh->cells;
-    room r = {.edges = NULL};
-    *joined = (pl_joined){.cells = *cells};
-    if (!are_triangles(cells))
+int pl_joined_take(const planish_mesh *mesh, const planish_surface *surface, pl_joined *joined) {
+    *joined = (pl_joined){.node = NULL};
+    if (!are_facets(mesh->cells))
         return 1;
-    const int have = prepare(mesh, surface, &r, joined);
+    uint8_t *is_out = calloc((size_t)mesh->cells->n + 1, 1);
+    const int have = copy_facets(mesh->cells, surface, joined) && is_out;
+    for (int64_t i = 0; have && i < joined->cells.n; i++) {
+        const facet f = facet_of(&joined->cells, i);
+        is_out[i] = (uint8_t)is_collapsed(&f);
+    }
+    if (have)
+        compact(joined, is_out);
+    free(is_out);
+    return have;
+}
+
+int pl_joined_join(const planish_mesh *mesh, int64_t n_edges, pl_joined *joined) {
+    room r = {.edges = NULL};
+    const int have = prepare(&joined->cells, mesh->n_nodes, &r);
     if (have) {
-        leave_out(joined, r.triangles, r.is_out);
+        leave_out(joined, r.facets, r.is_out);
         mark_borders(&joined->cells, r.edges, r.is_border);
         find_first(mesh, r.is_border, r.points, r.first);
         for (int64_t i = 0; i < mesh->n_nodes; i++)
             joined->n_points += r.first[i] != i;
-        for (int64_t i = 0; i < 3 * joined->cells.n; i++)
+        for (int64_t i = 0; i < joined->offset[joined->cells.n]; i++)
             joined->node[i] = r.first[joined->node[i]];
-        for (int64_t i = 0; i < 2 * surface->n_edges; i++)
-            joined->edges[i] = r.first[surface->edges[i]];
-        leave_out(joined, r.triangles, r.is_out);
+        for (int64_t i = 0; i < 2 * n_edges; i++)
+            joined->edges[i] = r.first[joined->edges[i]];
+        leave_out(joined, r.facets, r.is_out);
     }
     free_room(&r);
     return have;
 }
 
 void pl_joined_free(pl_joined *joined) {
+    free(joined->type);
+    free(joined->offset);
     free(joined->node);
     free(joined->region);
     free(joined->edges);

@@ -46,27 +46,40 @@ static int make_other(pl_job *job, const planish_mesh *mesh, const planish_surfa
                : 0;
 }
 
-/** Make the shape of the other surface again if its triangles are to be joined. */
-static int join_other(pl_job *job, planish_mesh mesh, planish_surface surface,
-                      planish_error *error) {
-    pl_onto *onto = &job->onto;
-    pl_joined joined;
-    int status = 0;
-    if (!mesh.cells || (onto->info.n_open_edges == 0 && onto->info.n_nonmanifold_edges == 0))
+/** Take the facets of the other surface, but for collapsed ones, if it has no other elements. */
+static int take_facets(pl_job *job, planish_mesh *mesh, planish_surface *surface,
+                       pl_joined *joined) {
+    if (!mesh->cells)
         return 0;
-    if (!pl_join_triangles(&mesh, &surface, &joined)) {
-        status = pl_job_complain_memory(job, "the other surface");
-    } else if (joined.cells.n > 0 && (joined.n_points > 0 || joined.n_triangles > 0)) {
-        onto->n_joined = joined.n_points;
-        onto->n_left_out = joined.n_triangles;
-        mesh.cells = &joined.cells;
-        mesh.n_elements = joined.cells.n;
-        surface.region = joined.region;
-        surface.edges = joined.edges;
-        status = make_other(job, &mesh, &surface, error);
-    }
-    pl_joined_free(&joined);
-    return status;
+    if (!pl_joined_take(mesh, surface, joined))
+        return pl_job_complain_memory(job, "the other surface");
+    if (joined->cells.n == 0)
+        return 0;
+    job->onto.n_left_out = joined->n_left_out;
+    job->onto.n_quadrilaterals_out = joined->n_quadrilaterals_out;
+    mesh->cells = &joined->cells;
+    mesh->n_elements = joined->cells.n;
+    surface->region = joined->region;
+    surface->edges = joined->edges;
+    return 0;
+}
+
+/** Make the shape of the other surface again if its facets are to be joined. */
+static int join_other(pl_job *job, planish_mesh *mesh, const planish_surface *surface,
+                      pl_joined *joined, planish_error *error) {
+    pl_onto *onto = &job->onto;
+    if (joined->cells.n == 0 ||
+        (onto->info.n_open_edges == 0 && onto->info.n_nonmanifold_edges == 0))
+        return 0;
+    if (!pl_joined_join(mesh, surface->n_edges, joined))
+        return pl_job_complain_memory(job, "the other surface");
+    if (joined->cells.n == 0 || (joined->n_points == 0 && joined->n_left_out == onto->n_left_out))
+        return 0;
+    onto->n_joined = joined->n_points;
+    onto->n_left_out = joined->n_left_out;
+    onto->n_quadrilaterals_out = joined->n_quadrilaterals_out;
+    mesh->n_elements = joined->cells.n;
+    return make_other(job, mesh, surface, error);
 }
 
 /** Take the elements of a flat mesh, and its coordinates in space. */
@@ -91,19 +104,23 @@ static int read_other(pl_job *job, pl_job_box *box) {
     planish_error error;
     if (planish_file_open_with(job->arguments->onto, &how, &file, &error))
         return pl_complain(PL_EXIT_FAILED, "--onto: %s", error.text);
-    const planish_surface surface = surface_of(job, file);
+    planish_surface surface = surface_of(job, file);
     planish_mesh mesh = planish_file_mesh(file);
     planish_cells cells;
+    pl_joined joined = {.node = NULL};
     double *places = malloc(((size_t)mesh.n_nodes * 3 + 1) * sizeof *places);
     int status = places ? 0 : pl_job_complain_memory(job, "the other surface");
     if (!status && mesh.dim == 2)
         status = take_flat(job, file, &mesh, &cells, places, &error);
     if (!status)
+        status = take_facets(job, &mesh, &surface, &joined);
+    if (!status)
         status = make_other(job, &mesh, &surface, &error);
     if (!status)
-        status = join_other(job, mesh, surface, &error);
+        status = join_other(job, &mesh, &surface, &joined, &error);
     if (!status)
         pl_job_box_widen(box, 3, mesh.coordinates, mesh.n_nodes);
+    pl_joined_free(&joined);
     free(places);
     planish_file_close(file);
     return status;
@@ -232,16 +249,16 @@ int pl_onto_measure(pl_job *job) {
                : 0;
 }
 
-/** Say which points and triangles of the other surface were joined. */
+/** Say which points of the other surface were joined, and which facets are left out. */
 static void note_joined(FILE *stream, const pl_onto *onto, const char *file) {
     if (onto->n_joined > 0)
         pl_note(stream, "%" PRId64 " point%s of %s %s where others are, and joined to them",
                 onto->n_joined, onto->n_joined == 1 ? "" : "s", file,
                 onto->n_joined == 1 ? "is" : "are");
     if (onto->n_left_out > 0)
-        pl_note(stream, "%" PRId64 " triangle%s of %s %s left out: without area, or there twice",
-                onto->n_left_out, onto->n_left_out == 1 ? "" : "s", file,
-                onto->n_left_out == 1 ? "is" : "are");
+        pl_note(stream, "%" PRId64 " %s%s of %s %s left out: without area, or there twice",
+                onto->n_left_out, onto->n_quadrilaterals_out > 0 ? "facet" : "triangle",
+                onto->n_left_out == 1 ? "" : "s", file, onto->n_left_out == 1 ? "is" : "are");
 }
 
 /** Say that the triangles of the other surface join nothing, as where each has points of its own. */
