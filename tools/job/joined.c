@@ -180,9 +180,10 @@ typedef struct room {
 
 /** Return a copy of n items, and room for one more; NULL: there is no memory. */
 static void *copy_of(const void *items, int64_t n, size_t size) {
-    void *copy = malloc(((size_t)n + 1) * size);
-    if (copy && n > 0)
-        memcpy(copy, items, (size_t)n * size);
+    const size_t count = n > 0 ? (size_t)n : 0;
+    void *copy = calloc(count + 1, size);
+    if (copy && count > 0)
+        memcpy(copy, items, count * size);
     return copy;
 }
 
