@@ -8,18 +8,26 @@
 
 #include <math.h>
 
-/** Return the distance of the two planes across an axis that all nodes are in; 0: there are no two. */
+/** Return the distance of the two planes across an axis that the corners of all elements are in; 0: there are no
+ *  two. Each element has corners in both, so the first one tells where they are. */
 static double thickness_along(const planish_mesh *mesh, int axis) {
     static const double TOLERANCE = 1e-6; /* of the distance */
-    const double *x = mesh->coordinates + axis;
-    double second = x[0];
-    for (int64_t i = 0; i < mesh->n_nodes; i++) {
-        second = second == x[0] ? x[i * 3] : second;
-        const double off = fmin(fabs(x[i * 3] - x[0]), fabs(x[i * 3] - second));
-        if (!(off <= TOLERANCE * fabs(second - x[0])))
-            return 0;
+    double low = INFINITY, high = -INFINITY;
+    for (int64_t i = 0; i < mesh->cells->n; i++) {
+        const pl_cell_type *type = pl_counted_type(mesh->cells, 3, i);
+        const int32_t *node = mesh->cells->node + mesh->cells->offset[i];
+        const int n = type ? type->shape->n_corners : 0, is_first = !(low <= high);
+        for (int k = 0; k < n && is_first; k++) {
+            low = fmin(low, mesh->coordinates[(int64_t)node[k] * 3 + axis]);
+            high = fmax(high, mesh->coordinates[(int64_t)node[k] * 3 + axis]);
+        }
+        for (int k = 0; k < n; k++) {
+            const double x = mesh->coordinates[(int64_t)node[k] * 3 + axis];
+            if (!(fmin(fabs(x - low), fabs(x - high)) <= TOLERANCE * (high - low)))
+                return 0;
+        }
     }
-    return fabs(second - x[0]);
+    return high > low ? high - low : 0;
 }
 
 /** Whether an element is a hexahedron that is thin in the planes. */
@@ -44,15 +52,16 @@ static int is_thin_in_plane(const pl_drawn *drawn, const planish_mesh *mesh, int
 }
 
 pl_drawn pl_drawn_find(const planish_mesh *mesh) {
+    enum { FEW = 8 }; /* fewer thin hexahedra are no layer */
     pl_drawn drawn = {.axis = -1};
-    int is_thin = 0;
-    for (int d = 0; d < 3 && mesh->dim == 3 && mesh->n_nodes > 0 && drawn.axis < 0; d++) {
+    int n_thin = 0;
+    for (int d = 0; d < 3 && mesh->dim == 3 && drawn.axis < 0; d++) {
         drawn.thickness = thickness_along(mesh, d);
         drawn.axis = drawn.thickness > 0 ? d : -1;
     }
-    for (int64_t i = 0; drawn.axis >= 0 && !is_thin && i < mesh->cells->n; i++)
-        is_thin = is_thin_in_plane(&drawn, mesh, i);
-    drawn.axis = is_thin ? drawn.axis : -1;
+    for (int64_t i = 0; drawn.axis >= 0 && n_thin < FEW && i < mesh->cells->n; i++)
+        n_thin += is_thin_in_plane(&drawn, mesh, i);
+    drawn.axis = n_thin == FEW ? drawn.axis : -1;
     return drawn;
 }
 

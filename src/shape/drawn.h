@@ -11,7 +11,7 @@
 
 #include <planish/planish.h>
 
-/** All nodes are in two planes across an axis, and some hexahedra are thin in these planes. */
+/** All corners of elements are in two planes across an axis, and some hexahedra are thin in these planes. */
 typedef struct pl_drawn {
     int axis; /* 0 .. 2; -1: the mesh is no such solid: it may be a plate, which is a layer itself */
     double thickness; /* distance of the planes */

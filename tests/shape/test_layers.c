@@ -626,7 +626,7 @@ enum { COLUMNS = 19, ROWS = 10, N_PLANE = (COLUMNS + 1) * (ROWS + 1) + 1 };
 typedef struct drawn_layer {
     planish_mesh mesh;
     planish_cells cells;
-    double x[2 * N_PLANE * 3];
+    double x[(2 * N_PLANE + 1) * 3]; /* the last node is in no element */
     int32_t node[COLUMNS * ROWS * 8 + ROWS * 6];
     int64_t offset[COLUMNS * ROWS + ROWS + 1];
     uint8_t type[COLUMNS * ROWS + ROWS];
@@ -637,8 +637,10 @@ static void place_nodes(drawn_layer *m, double thickness, double height) {
         const int in_plane = i % N_PLANE, is_tip = in_plane == N_PLANE - 1;
         m->x[3 * i] = is_tip ? COLUMNS + 1 : in_plane / (ROWS + 1);
         m->x[3 * i + 1] = is_tip ? 0.5 : height * (in_plane % (ROWS + 1));
-        m->x[3 * i + 2] = i / N_PLANE * thickness;
+        m->x[3 * i + 2] = i / N_PLANE * thickness * (1 + 1e-9 * (i % 7)); /* as if it was rounded */
+        m->x[3 * i + 2] += i % 5 * 1e-9 * thickness;
     }
+    m->x[2 * N_PLANE * 3 + 2] = 5;
 }
 
 static void create_drawn(drawn_layer *m, double thickness) {
@@ -658,7 +660,7 @@ static void create_drawn(drawn_layer *m, double thickness) {
     m->cells = (planish_cells){
         .n = COLUMNS * ROWS + ROWS, .type = m->type, .offset = m->offset, .node = m->node};
     m->mesh = (planish_mesh){.dim = 3,
-                             .n_nodes = 2 * N_PLANE,
+                             .n_nodes = 2 * N_PLANE + 1,
                              .n_elements = m->cells.n,
                              .coordinates = m->x,
                              .cells = &m->cells};
@@ -681,7 +683,7 @@ static void drawn_meshes_have_the_layers_of_the_plane(void **state) {
     static const double thicknesses[] = {1, 0.3, 0.1, 0.05, 0.01, 1e-4};
     static drawn_layer m;
     for (size_t t = 0; t < sizeof thicknesses / sizeof *thicknesses; t++) {
-        static double given[2 * N_PLANE * 3];
+        static double given[(2 * N_PLANE + 1) * 3];
         planish_layer_heights heights;
         create_drawn(&m, thicknesses[t]);
         uint8_t *is_layer = find(&m.mesh, 1, NULL);
