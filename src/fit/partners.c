@@ -151,6 +151,12 @@ int32_t pl_fit_piece_of(const planish_fit *fit, int32_t node) {
     return fit->piece_of[node] + 1;
 }
 
+/** Whether a piece lies in another one, or around it, or both in a third. */
+static int are_nested(const pl_fit_pieces *pieces, int32_t a, int32_t b) {
+    return pieces->is_closed[a] && pieces->is_closed[b] && pieces->nest[a] >= 0 &&
+           pieces->nest[a] == pieces->nest[b];
+}
+
 int pl_fit_may_use(const planish_fit *fit, int32_t own, int32_t piece) {
     const pl_fit_pieces *ours = &fit->own_pieces, *theirs = &fit->pieces;
     if (own == 0 || piece < 0)
@@ -159,7 +165,8 @@ int pl_fit_may_use(const planish_fit *fit, int32_t own, int32_t piece) {
         ours->outward[own - 1] != fit->side[piece])
         return 0;
     const int32_t partner = fit->partner[own - 1];
-    return partner < 0 || partner == piece || !fit->is_taken[piece];
+    return partner < 0 || partner == piece ||
+           (!fit->is_taken[piece] && !are_nested(theirs, partner, piece));
 }
 
 int pl_fit_has_strays(const planish_fit *fit) {

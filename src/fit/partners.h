@@ -15,7 +15,7 @@ int pl_fit_find_partners(planish_fit *fit, planish_error *error);
 int32_t pl_fit_piece_of(const planish_fit *fit, int32_t node);
 
 /** Whether a node of a piece, as pl_fit_piece_of says, may have a place on a piece of the other shape: others' partners
- *  are not for it, nor are hollows for the outside of a body. */
+ *  are not for it, nor is what is nested with its own partner, nor are hollows for the outside of a body. */
 int pl_fit_may_use(const planish_fit *fit, int32_t own, int32_t piece);
 
 /** Whether a node has a place on a piece that is not for it. */

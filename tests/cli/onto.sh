@@ -336,6 +336,21 @@ expect_status 0 "$program" smooth contact.mesh --onto wall.off -o contact-out.me
 expect_json 'r["surface"]["out_of_reach"] == 0 and r["surface"]["off"] == 0'
 ! grep -q "left out" err || { fail "no side of a wall is left out"; cat err; }
 
+# A body in a hollow of another one is not for the outside of that, where it is nearer.
+python3 - <<'END'
+sides = [(0, 1, 5), (0, 5, 4), (1, 2, 6), (1, 6, 5), (2, 3, 7), (2, 7, 6), (3, 0, 4), (3, 4, 7), (0, 2, 1), (0, 3, 2),
+         (4, 5, 6), (4, 6, 7)]
+with open("nest.off", "w") as off:
+    off.write("OFF\n24 36 0\n")
+    for a in (0.7, 0.63, 0.56):
+        off.writelines("%g %g %g\n" % (x, y, z) for z in (-a, a) for x, y in ((-a, -a), (a, -a), (a, a), (-a, a)))
+    for box in range(3):
+        off.writelines("3 %d %d %d\n" % tuple(8 * box + v for v in t) for t in sides)
+END
+python3 make.py tets cube 5 0.7 | awk '$4 == 0 && $3 > 0.69 { $3 = 0.57 } { print }' >low.mesh
+expect_status 0 "$program" smooth low.mesh --onto nest.off -o low-out.mesh --json report.json
+expect_json 'r["surface"]["unused_pieces"] == 2 and r["surface"]["off"] == 0 and r["surface"]["distance"] < 1e-9'
+
 # What is hollow does not go to the outside.
 python3 make.py tets hollow 5 0.7 >hollow.mesh
 python3 make.py tets cube 3 0.7 0.02 >full.mesh
