@@ -21,7 +21,8 @@
 
 /** A call on a mesh. */
 typedef struct shape_call {
-    const planish_mesh *mesh; /* the caller's */
+    const planish_mesh *mesh; /* the caller's, or bare */
+    planish_mesh bare;        /* the same without targets, which would turn simplices to cells */
     int threads;
     pl_outside outside;
     pl_dense dense;             /* the mesh, owned */
@@ -35,6 +36,19 @@ static int is_surface_mesh(const planish_mesh *mesh) {
            pl_is_of_faces(mesh->cells, 3);
 }
 
+/** Take the mesh, which may be NULL, without targets: surfaces have none. */
+static void take_bare(const planish_mesh *mesh, shape_call *call) {
+    call->mesh = mesh;
+    if (!mesh)
+        return;
+    call->bare = *mesh;
+    call->bare.reference = NULL;
+    call->bare.is_layer = NULL;
+    call->bare.size = NULL;
+    call->bare.metric = NULL;
+    call->mesh = &call->bare;
+}
+
 /** Check threads and the mesh, and enter; end_call follows unless that fails. takes_surfaces: also one that is
  *  a surface itself, whose elements are call->cells alone. */
 static int begin_call(const planish_mesh *mesh, int threads, int takes_surfaces, shape_call *call,
@@ -42,7 +56,8 @@ static int begin_call(const planish_mesh *mesh, int threads, int takes_surfaces,
     int status = pl_check_threads(threads, error);
     if (status)
         return status;
-    call->mesh = mesh;
+    take_bare(mesh, call);
+    mesh = call->mesh;
     call->threads = pl_thread_count(threads);
     call->outside = pl_call_enter(NULL);
     if (takes_surfaces && is_surface_mesh(mesh)) {

@@ -1,6 +1,6 @@
 /* planish_mesh.size: elements that are to have sizes, which depend on where they are. Sizes are judged by
  * plain loops over the field's formula. */
-#include "support/cell_meshes.h"
+#include "support/blocks.h"
 #include "support/effort.h"
 #include "support/meshes.h"
 #include "support/run.h"
@@ -360,6 +360,75 @@ static void mids_have_sizes(void **state) {
         assert_true(fabs(size[i] - wanted[i]) < 1e-12);
 }
 
+/** What planish_find_slides finds for a mesh on a shape. */
+typedef struct found_slides {
+    uint8_t *constraint;
+    double *direction;
+    planish_slide_info info;
+} found_slides;
+
+static found_slides find_slides(const planish_mesh *mesh, const planish_shape *shape) {
+    found_slides found = {.constraint = calloc((size_t)mesh->n_nodes, 1),
+                          .direction = calloc((size_t)mesh->n_nodes, 3 * sizeof(double))};
+    const planish_surface surface = {.shape = shape};
+    assert_int_equal(planish_find_slides(mesh, &surface, 1, found.constraint, found.direction,
+                                         &found.info, NULL),
+                     0);
+    return found;
+}
+
+static void forget_slides(found_slides *found) {
+    free(found->constraint);
+    free(found->direction);
+}
+
+/** Nodes slide on curved surfaces where they do without targets of any kind. */
+static void targets_do_not_hold_nodes(void **state) {
+    (void)state;
+    enum { N = 6, TARGETS = 4 };
+    uint64_t random = effort_seed(5);
+    block b;
+    block_create(1, BOX_HEXAHEDRA, BLOCK_BALL, N, 1, 0, &random, &b);
+    const int64_t n = b.mesh.n_elements, n_nodes = b.mesh.n_nodes;
+    uint8_t *type = malloc((size_t)n), *is_layer = malloc((size_t)n);
+    int64_t *offset = malloc((size_t)(n + 1) * sizeof *offset);
+    double *metric = malloc((size_t)n_nodes * 6 * sizeof *metric);
+    double *size = malloc((size_t)n_nodes * sizeof *size);
+    for (int64_t i = 0; i <= n; i++)
+        offset[i] = 4 * i;
+    for (int64_t i = 0; i < 6 * n_nodes; i++)
+        metric[i] = i % 6 == 0 || i % 6 == 2 || i % 6 == 5;
+    for (int64_t i = 0; i < n_nodes; i++)
+        size[i] = 1 + (double)(i % 2);
+    memset(type, PLANISH_CELL_TETRAHEDRON, (size_t)n);
+    memset(is_layer, 1, (size_t)n);
+    const planish_cells cells = {.n = n, .type = type, .offset = offset, .node = b.tetrahedron};
+    planish_mesh mesh = b.mesh;
+    mesh.elements = NULL;
+    mesh.cells = &cells;
+    found_slides without = find_slides(&mesh, b.shape);
+    assert_true(without.info.n_on_patch > 0);
+    for (int k = 0; k < TARGETS; k++) {
+        planish_mesh with = mesh;
+        with.reference = k == 0 ? b.given : NULL;
+        with.is_layer = k == 1 ? is_layer : NULL;
+        with.metric = k == 2 ? metric : NULL;
+        with.size = k == 3 ? size : NULL;
+        found_slides found = find_slides(&with, b.shape);
+        assert_memory_equal(found.constraint, without.constraint, (size_t)n_nodes);
+        assert_memory_equal(found.direction, without.direction,
+                            (size_t)n_nodes * 3 * sizeof(double));
+        forget_slides(&found);
+    }
+    forget_slides(&without);
+    free(type);
+    free(is_layer);
+    free(offset);
+    free(metric);
+    free(size);
+    block_destroy(&b);
+}
+
 static void wrong_sizes_are_refused(void **state) {
     (void)state;
     static const struct {
@@ -409,6 +478,7 @@ int main(void) {
         cmocka_unit_test(flat_elements_have_no_size),
         cmocka_unit_test(mids_have_sizes),
         cmocka_unit_test(simplices_are_as_cells),
+        cmocka_unit_test(targets_do_not_hold_nodes),
         cmocka_unit_test(wrong_sizes_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
