@@ -246,14 +246,16 @@ static void put_held(FILE *stream, int64_t n) {
     pl_terminal_wrap(stream, text);
 }
 
-/** Say how many heights the rows inside tell. */
+/** Say how many heights other rows tell, and why. */
 static void put_told(FILE *stream, const pl_job *job, const planish_layer_heights *of) {
     char reference[80], text[400];
+    const int is_wall = of->n_at_moved_walls > 0;
     put_row(&of->reference, reference, sizeof reference);
     snprintf(text, sizeof text,
-             "A wall was moved: %" PRId64 " of %" PRId64
-             " heights are told by the rows inside; %s they were %s off.",
-             of->n_told, of->all.n, is_like(job) ? "in that mesh" : "before", reference);
+             "%s: %" PRId64 " of %" PRId64 " heights are told by %s; %s they were %s off.",
+             is_wall ? "A wall was moved" : "Nodes of layers were displaced", of->n_told, of->all.n,
+             is_wall ? "the rows inside" : "other rows", is_like(job) ? "in that mesh" : "before",
+             reference);
     pl_terminal_wrap(stream, text);
 }
 
@@ -283,7 +285,23 @@ static double find_worst(const planish_layer_heights *of, int *row) {
     return worst;
 }
 
-void pl_heights_note(FILE *stream, const pl_job *job, const pl_heights *heights) {
+/** What keeps heights better; holding layers would keep inverted elements, too. is_valid: there were none. */
+static const char *advice(const pl_job *job, const planish_layer_heights *of, int is_valid) {
+    if (of->n_at_moved_walls > 0)
+        return is_valid ? ": --like FILE, the mesh before its wall moved, keeps them better, and "
+                          "--layers hold keeps them as they are"
+                        : ": --like FILE, the mesh before its wall moved, keeps them better";
+    if (of->n_told > 0)
+        return is_valid ? ": --like FILE, the mesh before nodes were displaced, keeps them "
+                          "better, and --layers hold keeps them as they are"
+                        : ": --like FILE, the mesh before nodes were displaced, keeps them better";
+    if (job->layers.n_kept == 0)
+        return is_valid ? ": --layers keep, or --fix-layers, keeps them"
+                        : ": --layers keep keeps them";
+    return is_valid ? ": --layers hold keeps them all" : "";
+}
+
+void pl_heights_note(FILE *stream, const pl_job *job, const pl_heights *heights, int is_valid) {
     char all[80], why[160];
     int row;
     if (!heights->is_known || !(find_worst(&heights->of, &row) > MUCH))
@@ -296,9 +314,5 @@ void pl_heights_note(FILE *stream, const pl_job *job, const pl_heights *heights)
             compared_with(job, heights), row, row == PLANISH_LAYER_ROWS ? " or above" : "",
             is_like(job)               ? ""
             : job->wanted.n_faults > 0 ? why
-            : heights->of.n_told > 0
-                ? ": --like FILE, the mesh before its wall moved, keeps them better, and "
-                  "--layers hold keeps them as they are"
-            : job->layers.n_kept == 0 ? ": --layers keep, or --fix-layers, keeps them"
-                                      : ": --layers hold keeps them all");
+                                       : advice(job, &heights->of, is_valid));
 }

@@ -45,7 +45,7 @@ void pl_heights_hold(pl_job *job, const uint8_t *in_layer);
 /** Put lines on heights, if they are known. */
 void pl_heights_put(FILE *stream, const pl_job *job, const pl_heights *heights);
 
-/** Say that heights have changed by much, and what keeps them. */
-void pl_heights_note(FILE *stream, const pl_job *job, const pl_heights *heights);
+/** Say that heights have changed by much, and what keeps them. is_valid: all elements were, before. */
+void pl_heights_note(FILE *stream, const pl_job *job, const pl_heights *heights, int is_valid);
 
 #endif
