@@ -100,16 +100,25 @@ static void spread_off(const pl_job *job, double *off) {
     }
 }
 
+/** Find how much heights at each node are off: off [n_nodes], 0 at nodes that were released. *worst: the
+ *  largest of these. */
+static int find_off(const pl_job *job, double *off, double *worst) {
+    planish_layer_heights heights;
+    const int status = measure(job, &heights, off);
+    *worst = 0;
+    for (int64_t i = 0; !status && i < job->mesh.n_nodes; i++) {
+        off[i] = job->wanted.is_released[i] ? 0 : off[i];
+        *worst = fmax(*worst, off[i]);
+    }
+    return status;
+}
+
 /** Add the nodes that are off to those held, where the one that is off most is so by much; return how many are
  *  new. */
-static int64_t add_nodes(const pl_job *job, int of_all, double *off, uint8_t *in_layer) {
+static int64_t add_nodes(const pl_job *job, int of_all, double worst, double *off,
+                         uint8_t *in_layer) {
     const int64_t n_nodes = job->mesh.n_nodes;
-    double worst = 0;
     int64_t n = 0;
-    for (int64_t i = 0; i < n_nodes; i++) {
-        off[i] = job->wanted.is_released[i] ? 0 : off[i];
-        worst = fmax(worst, off[i]);
-    }
     if (worst > MUCH && of_all)
         spread_off(job, off);
     for (int64_t i = 0; worst > MUCH && i < n_nodes; i++)
@@ -140,9 +149,9 @@ static int begin_choice(pl_job *job, uint8_t *in_layer) {
     return 0;
 }
 
-int pl_heights_choose(pl_job *job, int of_all, uint8_t *in_layer, int64_t *n) {
-    planish_layer_heights heights;
+int pl_heights_choose(pl_job *job, int of_all, uint8_t *in_layer, int64_t *n, double *worst) {
     *n = 0;
+    *worst = 0;
     if (!job->like.is_layer || !job->like.place)
         return 0;
     int status = begin_choice(job, in_layer);
@@ -150,9 +159,17 @@ int pl_heights_choose(pl_job *job, int of_all, uint8_t *in_layer, int64_t *n) {
     if (!status && !off)
         status = pl_job_complain_memory(job, "heights of layers");
     if (!status)
-        status = measure(job, &heights, off);
+        status = find_off(job, off, worst);
     if (!status)
-        *n = add_nodes(job, of_all, off, in_layer);
+        *n = add_nodes(job, of_all, *worst, off, in_layer);
+    free(off);
+    return status;
+}
+
+int pl_heights_find_worst(const pl_job *job, double *worst) {
+    double *off = malloc(((size_t)job->mesh.n_nodes + 1) * sizeof *off);
+    const int status =
+        off ? find_off(job, off, worst) : pl_job_complain_memory(job, "heights of layers");
     free(off);
     return status;
 }

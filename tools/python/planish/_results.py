@@ -371,6 +371,10 @@ class Result(Printed):
         """Take the reason of another result why smoothing ended."""
         self._stop = other._stop
 
+    def end_by_time(self) -> None:
+        """Let the time limit be the reason why smoothing ended."""
+        self._stop = 2
+
     def as_dict(self) -> dict[str, Any]:
         """Return the values by name."""
         return {**super().as_dict(), "stop": self.stop}
