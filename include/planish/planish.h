@@ -1159,15 +1159,17 @@ typedef struct planish_layer_row {
 } planish_layer_row;
 
 /** Heights of layers. The wanted height of an edge across a layer is that in planish_mesh.reference. Where
- *  a wall was moved there, it is the height by which the rows inside go on. Heights are at right angles
- *  to the layer. */
+ *  a wall was moved there, it is the height by which the rows inside go on. Where a node inside a layer was
+ *  displaced through others, the rows there share their heights as the other rows tell. Heights are at right
+ *  angles to the layer. */
 typedef struct planish_layer_heights {
     planish_layer_row all;
-    planish_layer_row reference; /* of all in the reference: 1 but where a wall was moved */
-    int64_t n_told;              /* edges whose wanted heights the rows inside have told */
+    planish_layer_row reference; /* of all in the reference: 1 but where nodes were displaced */
+    int64_t n_told;              /* edges whose wanted heights other rows have told */
     int n_rows; /* rows in use: they are counted from thin ends, and from surfaces inside, */
     planish_layer_row row[PLANISH_LAYER_ROWS]; /* and the last one has all beyond it */
-    double reserved[2];
+    int64_t n_at_moved_walls; /* of n_told: first edges at walls that were moved; 0: none was */
+    double reserved[1];
 } planish_layer_heights;
 
 /** Compare the heights of the layers that mesh->is_layer marks with those in mesh->reference (NULL: in

@@ -23,9 +23,9 @@
 
 enum { CHUNK = 4096 }; /* elements that one thread looks at at a time */
 
-/* Layers of fewer elements, and those beside which there are more invalid ones than one in so many, are thin
- * by chance. Valid slivers stand at the ends of many layers. */
-enum { LEAST_OF_LAYER = 8, FEW_INVALID = 20 };
+/* Layers beside which there are more invalid elements than one in so many are thin by chance. Valid slivers
+ * stand at the ends of many layers. */
+enum { FEW_INVALID = 20 };
 
 /* ---- thin elements --------------------------------------------------------------------------- */
 
@@ -287,7 +287,7 @@ static void drop_bad_layers(const planish_mesh *mesh, const uint8_t *thinness, l
     for (int64_t i = 0; i < cells->n; i++)
         if (mark[i] && thinness[i]) {
             const int32_t layer = layer_of(s, cells->node[cells->offset[i]]);
-            if (s->n[layer] < LEAST_OF_LAYER ||
+            if (s->n[layer] < PL_LEAST_OF_LAYER ||
                 (int64_t)FEW_INVALID * s->n_bad[layer] > s->n[layer])
                 mark[i] = 0;
         }

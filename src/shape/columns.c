@@ -354,7 +354,7 @@ int pl_columns_find(const planish_mesh *mesh, const uint8_t *is_layer, int threa
                               .dim = mesh->dim,
                               .step = mesh->dim,
                               .apart = 1};
-    *c = (pl_columns){.mesh = mesh, .drawn = pl_drawn_find(mesh)};
+    *c = (pl_columns){.mesh = mesh, .drawn = pl_drawn_find(mesh), .threads = threads};
     int status = pl_points_check(&places, threads, error);
     if (!status)
         status = pl_frame_create(mesh, NULL, threads, &c->frame, error);
@@ -384,6 +384,6 @@ void pl_columns_destroy(pl_columns *c) {
     pl_free(c->side);
     pl_free(c->height);
     pl_free(c->leans);
-    pl_free(c->is_told);
+    pl_free(c->told);
     pl_free(c->is_moved);
 }

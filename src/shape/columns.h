@@ -26,11 +26,18 @@ typedef struct pl_layer_cell {
     int32_t upright[PL_UPRIGHTS]; /* of products by pl_upright_at */
 } pl_layer_cell;
 
+/** Why other rows tell the height of an upright. */
+typedef enum pl_told {
+    PL_TOLD = 1,        /* nodes of the layer were displaced */
+    PL_TOLD_AT_WALL = 2 /* a wall was moved: the upright is the first one there */
+} pl_told;
+
 /** Columns of a mesh; lengths in units of the frame. Owned, but for mesh. */
 typedef struct pl_columns {
     const planish_mesh *mesh; /* cells, dense coordinates */
     pl_frame frame;
     pl_drawn drawn;
+    int threads;
     int8_t *sign; /* [cells] as of pl_orient_cells */
     int64_t n_cells;
     pl_layer_cell *cell; /* [n_cells] ascending */
@@ -46,7 +53,7 @@ typedef struct pl_columns {
     int64_t *side;     /* [n_sides + 1] in upright */
     double *height;    /* [n_uprights] how long it is to be */
     uint8_t *leans;    /* [n_uprights] 1: it leans over its layer for good, as the wall turns */
-    uint8_t *is_told;  /* [n_uprights] 1: the rows inside tell its height, as a wall was moved */
+    uint8_t *told;     /* [n_uprights] not 0: other rows tell its height, pl_told */
     uint8_t *is_moved; /* [n_sides] 1: its wall was moved by much */
 } pl_columns;
 

@@ -52,28 +52,32 @@ static int is_thin_in_plane(const pl_drawn *drawn, const planish_mesh *mesh, int
 }
 
 pl_drawn pl_drawn_find(const planish_mesh *mesh) {
-    enum { FEW = 8 }; /* fewer thin hexahedra are no layer */
     pl_drawn drawn = {.axis = -1};
     int n_thin = 0;
     for (int d = 0; d < 3 && mesh->dim == 3 && drawn.axis < 0; d++) {
         drawn.thickness = thickness_along(mesh, d);
         drawn.axis = drawn.thickness > 0 ? d : -1;
     }
-    for (int64_t i = 0; drawn.axis >= 0 && n_thin < FEW && i < mesh->cells->n; i++)
+    for (int64_t i = 0; drawn.axis >= 0 && n_thin < PL_LEAST_OF_LAYER && i < mesh->cells->n; i++)
         n_thin += is_thin_in_plane(&drawn, mesh, i);
-    drawn.axis = n_thin == FEW ? drawn.axis : -1;
+    drawn.axis = n_thin == PL_LEAST_OF_LAYER ? drawn.axis : -1;
     return drawn;
 }
 
 unsigned pl_drawn_factors(const pl_drawn *drawn, const planish_mesh *mesh,
                           const pl_cell_shape *shape, const int32_t *node) {
     unsigned found = 0;
+    int is_line =
+        1; /* not a triangle across the planes: a wedge that was drawn has its triangles in these */
     for (int e = 0; drawn->axis >= 0 && shape->n_simplices > 1 && e < shape->n_edges; e++) {
         const int a = shape->edge[e][0], b = shape->edge[e][1];
+        const int factor = pl_factor_of(shape, a, b);
         const double way = mesh->coordinates[(int64_t)node[b] * 3 + drawn->axis] -
                            mesh->coordinates[(int64_t)node[a] * 3 + drawn->axis];
-        if (fabs(way) > drawn->thickness / 2)
-            found |= 1U << pl_factor_of(shape, a, b);
+        if (fabs(way) > drawn->thickness / 2) {
+            found |= 1U << factor;
+            is_line &= shape->n_vertices[factor] == 2;
+        }
     }
-    return found & (found - 1) ? 0 : found;
+    return is_line && !(found & (found - 1)) ? found : 0;
 }

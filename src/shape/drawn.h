@@ -21,7 +21,7 @@ typedef struct pl_drawn {
 pl_drawn pl_drawn_find(const planish_mesh *mesh);
 
 /** Return the factor of a product whose edges go from plane to plane, as a bit: it has no uprights. 0: there
- *  is none, or the mesh is no such solid. */
+ *  is none, it is the triangle of a wedge, or the mesh is no such solid. */
 unsigned pl_drawn_factors(const pl_drawn *drawn, const planish_mesh *mesh,
                           const pl_cell_shape *shape, const int32_t *node);
 

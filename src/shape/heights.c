@@ -3,14 +3,17 @@
  * A height is that of its upright across the layer in the input, averaged along its row. Where a wall was moved the
  * first heights are not what they were, but the columns tell: rows grow evenly. An upright that points
  * against its column, or is a first one and off the growth of its side while others of its row are off by
- * another factor, gets the height by which the side goes on from the rows inside.
+ * another factor, gets the height by which the side goes on from the rows inside. If a node inside the side was
+ * displaced, the rows there share their heights (displaced.h).
  */
 #include "shape/heights.h"
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "shape/displaced.h"
 #include "shape/sides.h"
 #include "shape/upright_means.h"
+#include "topology/cells.h"
 
 #include <math.h>
 
@@ -43,8 +46,17 @@ typedef struct search {
 } search;
 
 /* What is known of an upright: it is off the growth; it points elsewhere; it gets another height; it is off
- * by far, though the rows are too few to call their growth steady; a wall was moved there. */
-enum { IS_OFF = 1, IS_TURNED = 2, IS_WILD = 4, IS_FAR = 8, IS_MOVED = 16 };
+ * by far, though the rows are too few to call their growth steady; a wall was moved there; it shares the
+ * height of a row beside it; a corner at it is inverted. */
+enum {
+    IS_OFF = 1,
+    IS_TURNED = 2,
+    IS_WILD = 4,
+    IS_FAR = 8,
+    IS_MOVED = 16,
+    IS_SHARED = 32,
+    IS_INVERTED = 64
+};
 
 /* ---- columns ---------------------------------------------------------------------------------- */
 
@@ -66,8 +78,9 @@ static int find_lengths(const search *s, planish_error *error) {
         pl_columns_edge(c, c->end[2 * u], c->end[2 * u + 1], edge);
         const double length = sqrt(pl_dot(3, edge, edge));
         s->length[u] = n > 0 ? of[PL_UPRIGHT_HEIGHTS] / n : length;
-        s->is_off[u] = n > 0 && !(of[PL_UPRIGHT_HEIGHTS] > 0) ? IS_TURNED : 0;
-        c->leans[u] = s->is_off[u] != IS_TURNED && s->length[u] < LEANS * length &&
+        s->is_off[u] = (n > 0 && !(of[PL_UPRIGHT_HEIGHTS] > 0) ? IS_TURNED : 0) |
+                       (of[PL_UPRIGHT_INVERTED] > 0 ? IS_INVERTED : 0);
+        c->leans[u] = !(s->is_off[u] & IS_TURNED) && s->length[u] < LEANS * length &&
                       fabs(of[PL_UPRIGHT_COSINES]) >= ONE_WAY * n * (c->mesh->dim - 1);
     }
     pl_free(sum);
@@ -303,18 +316,104 @@ static int is_far(const search *s, int32_t u) {
            (s->is_off[u] & IS_WILD && !(ratio_of(s->length[u], told) <= OUTLIER));
 }
 
-/** Mark sides whose walls were moved far, and uprights whose heights the rows inside have told: not the anchor,
- *  which has its own. */
+/** Let rows share their heights where a node between them was displaced: they no longer point elsewhere. */
+static int share(search *s, planish_error *error) {
+    const pl_columns *c = s->c;
+    uint8_t *is_shared = pl_alloc_zero(c->n_uprights, 1);
+    if (!is_shared)
+        return pl_fail_memory(error, "the heights of layers");
+    pl_displaced_share(c, s->length, is_shared);
+    for (int64_t u = 0; u < c->n_uprights; u++)
+        if (is_shared[u])
+            s->is_off[u] = (uint8_t)(s->is_off[u] & ~IS_TURNED) | IS_SHARED;
+    pl_free(is_shared);
+    return PLANISH_OK;
+}
+
+/** Whether an upright is told: not the anchor, which has its own height, unless it shares one. */
+static int is_told(const search *s, int64_t place, int64_t anchor) {
+    const int mark = s->is_off[s->c->upright[place]];
+    return mark & IS_SHARED || (place != anchor && mark & (IS_TURNED | IS_WILD));
+}
+
+/** Mark sides whose walls were moved far, and uprights whose heights others have told. */
 static void mark_told(const search *s) {
     const pl_columns *c = s->c;
     for (int64_t k = 0; k < c->n_sides; k++) {
         const int64_t anchor = anchor_of(s, k);
         for (int64_t i = c->side[k]; i < c->side[k + 1]; i++) {
-            const int32_t u = c->upright[i];
-            c->is_moved[k] |= (uint8_t)is_far(s, u);
-            c->is_told[u] = i != anchor && (s->is_off[u] & (IS_TURNED | IS_WILD)) != 0;
+            c->is_moved[k] |= (uint8_t)is_far(s, c->upright[i]);
+            c->told[c->upright[i]] = is_told(s, i, anchor) ? PL_TOLD : 0;
         }
     }
+}
+
+/** Whether an upright is at an end of its column, and nothing is wrong with the next one. */
+static int is_next_sound(const search *s, int32_t u) {
+    const pl_columns *c = s->c;
+    const int64_t place = c->place[u], begin = c->begin[c->column[u]];
+    const int64_t last = c->begin[c->column[u] + 1] - 1;
+    if (begin == last || (place != begin && place != last))
+        return 0;
+    const int32_t next = c->upright[place == begin ? place + 1 : place - 1];
+    return !c->told[next] && !(s->is_off[next] & IS_INVERTED);
+}
+
+/** Whether nothing is wrong with the second uprights of all elements at a first one. */
+static int are_next_sound(const search *s, int32_t u) {
+    int is_sound = is_next_sound(s, u);
+    for (int64_t i = s->first[u]; i < s->first[u + 1]; i++) {
+        const pl_layer_cell *cell = &s->c->cell[s->cell[i]];
+        for (int k = 0; k < cell->n_uprights && is_sound; k++)
+            is_sound = is_next_sound(s, cell->upright[k]);
+    }
+    return is_sound;
+}
+
+/** Whether the first upright of a column, in a side from place on in steps of step, is told as its end was
+ *  moved: the side is thinnest there, and no other nodes explain that. */
+static int is_end_moved(const search *s, int64_t side, int64_t place, int step) {
+    const pl_columns *c = s->c;
+    const int32_t u = c->upright[place];
+    const int64_t other = place + step;
+    const int mark = s->is_off[u];
+    return c->told[u] && !(mark & IS_SHARED) && other >= c->side[side] &&
+           other < c->side[side + 1] &&
+           height_at(c, place, step, 0) <= STEADY * height_at(c, place, step, 1) &&
+           are_next_sound(s, u) &&
+           pl_displaced_wall(c, s->length, side, place, step, (mark & IS_TURNED) != 0);
+}
+
+/** Mark first uprights at walls that were moved. on_boundary [n_nodes]: NULL: count them, but for what is on
+ *  the boundary. Returns how many there are. */
+static int64_t mark_walls(const search *s, const uint8_t *on_boundary) {
+    const pl_columns *c = s->c;
+    int64_t n = 0;
+    for (int64_t k = 0; k < c->n_sides; k++)
+        for (int is_last = 0; is_last < 2 && c->side[k] < c->side[k + 1]; is_last++) {
+            const int64_t place = is_last ? c->side[k + 1] - 1 : c->side[k];
+            const int32_t u = c->upright[place];
+            if (!is_end_moved(s, k, place, is_last ? -1 : 1))
+                continue;
+            if (on_boundary && on_boundary[c->node[place + c->column[u] + is_last]])
+                c->told[u] = PL_TOLD_AT_WALL;
+            n++;
+        }
+    return n;
+}
+
+/** Find the first uprights at walls that were moved: at the boundary, which is looked for if it matters. */
+static int find_walls(const search *s, planish_error *error) {
+    const planish_mesh *mesh = s->c->mesh;
+    pl_cell_census census = {.on_boundary = NULL};
+    if (mark_walls(s, NULL) == 0)
+        return PLANISH_OK;
+    const int status = pl_cell_census_find(mesh->cells, mesh->dim, mesh->n_nodes, mesh->coordinates,
+                                           s->c->threads, &census, error);
+    if (!status)
+        mark_walls(s, census.on_boundary);
+    pl_cell_census_destroy(&census);
+    return status;
 }
 
 /** Find heights as the input and the growth tell, and which are told by the growth. */
@@ -324,6 +423,8 @@ static int find_told(search *s, planish_error *error) {
     int status = find_lengths(s, error);
     if (!status)
         status = pl_columns_find_sides(c, s->length, error);
+    if (!status)
+        status = share(s, error);
     for (int64_t u = 0; u < c->n_uprights; u++)
         s->length[u] = fabs(s->length[u]);
     c->is_moved = status ? NULL : pl_alloc_zero(c->n_sides, sizeof *c->is_moved);
@@ -359,18 +460,18 @@ int pl_columns_find_heights(pl_columns *c, int is_smooth, planish_error *error) 
     search s = {.c = c};
     c->height = pl_alloc_zero(n, sizeof *c->height);
     c->leans = pl_alloc_zero(n, sizeof *c->leans);
-    c->is_told = pl_alloc_zero(n, sizeof *c->is_told);
+    c->told = pl_alloc_zero(n, sizeof *c->told);
     s.length = pl_alloc(n, sizeof *s.length);
     s.off = pl_alloc_zero(n, sizeof *s.off);
     s.is_off = pl_alloc_zero(n, sizeof *s.is_off);
     s.first = pl_alloc_zero(n + 2, sizeof *s.first);
     s.cell = pl_alloc(n_at, sizeof *s.cell);
     s.queue = pl_alloc(n, sizeof *s.queue);
-    const int is_there = c->height && c->leans && c->is_told && s.length && s.off && s.is_off &&
+    const int is_there = c->height && c->leans && c->told && s.length && s.off && s.is_off &&
                          s.first && s.cell && s.queue;
     int status = is_there ? find_told(&s, error) : pl_fail_memory(error, "the heights of layers");
-    if (!status && is_smooth)
-        status = smooth_all(&s, error);
+    if (!status)
+        status = is_smooth ? smooth_all(&s, error) : find_walls(&s, error);
     pl_free(s.length);
     pl_free(s.off);
     pl_free(s.is_off);

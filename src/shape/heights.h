@@ -7,7 +7,7 @@
 
 #include "shape/columns.h"
 
-/** Fill side, height, leans, is_told and is_moved: from the input, and if is_smooth smoothed along the rows. Errors:
+/** Fill side, height, leans, told and is_moved: from the input, and if is_smooth smoothed along the rows. Errors:
  *  _MEMORY. */
 int pl_columns_find_heights(pl_columns *c, int is_smooth, planish_error *error);
 

@@ -76,7 +76,7 @@ static void find_off(const row_search *s, double *off) {
     for (int64_t k = 0; k < c->n_sides; k++)
         for (int64_t i = c->side[k]; i < c->side[k + 1] && !c->is_moved[k]; i++) {
             const int32_t u = c->upright[i];
-            const double by = c->is_told[u] ? 0 : fabs(s->height[u] / c->height[u] - 1);
+            const double by = c->told[u] ? 0 : fabs(s->height[u] / c->height[u] - 1);
             for (int end = 0; end < 2 && isfinite(by); end++)
                 off[c->end[2 * u + end]] = fmax(off[c->end[2 * u + end]], by);
         }
@@ -126,7 +126,10 @@ static int measure(row_search *s, const double *now, int threads, double *height
     found->reference = measure_row(s, -1);
     status = measure_now(c, now, threads, height, error);
     for (int64_t u = 0; !status && u < c->n_uprights; u++)
-        found->n_told += c->is_told[u] && c->height[u] > 0 && isfinite(height[u]);
+        if (c->told[u] && c->height[u] > 0 && isfinite(height[u])) {
+            found->n_told++;
+            found->n_at_moved_walls += c->told[u] == PL_TOLD_AT_WALL;
+        }
     found->all = measure_row(s, -1);
     for (int row = 0; !status && row < PLANISH_LAYER_ROWS; row++) {
         found->row[row] = measure_row(s, row);

@@ -32,6 +32,9 @@ static const double PL_WIDE = 1.2;
  * of layers that grow. */
 static const double PL_ALIKE = 2.5;
 
+/* Layers of fewer elements are thin by chance. */
+enum { PL_LEAST_OF_LAYER = 8 };
+
 /** Facts about an element that layers are sought by. */
 enum {
     PL_SHORTEST_EDGE = 7, /* number of the shortest edge of a simplex: 01, 02, 12, 03, 13, 23 */

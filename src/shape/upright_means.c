@@ -43,6 +43,7 @@ static void add_heights(const pl_columns *c, const pl_layer_cell *cell, double *
         if (base > 0) {
             of[PL_UPRIGHT_HEIGHTS] += D / base;
             of[PL_UPRIGHT_CORNERS] += 1;
+            of[PL_UPRIGHT_INVERTED] += !(D > 0);
         }
     }
 }

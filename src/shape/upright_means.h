@@ -10,8 +10,15 @@
 #include "shape/columns.h"
 
 /** Sums of an upright over the corners at it that decide on layers: of heights, negative of inverted
- *  corners; how many there are; and of cosines between the upright and edges along the layer. */
-enum { PL_UPRIGHT_HEIGHTS, PL_UPRIGHT_CORNERS, PL_UPRIGHT_COSINES, PL_UPRIGHT_SUMS };
+ *  corners; how many there are; of cosines between the upright and edges along the layer; and how many are
+ *  not above 0. */
+enum {
+    PL_UPRIGHT_HEIGHTS,
+    PL_UPRIGHT_CORNERS,
+    PL_UPRIGHT_COSINES,
+    PL_UPRIGHT_INVERTED,
+    PL_UPRIGHT_SUMS
+};
 
 /** Return the sums of the uprights at c->mesh->coordinates: [n_uprights][PL_UPRIGHT_SUMS], owned by the
  *  caller; NULL: no memory. */

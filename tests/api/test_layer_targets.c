@@ -412,8 +412,39 @@ static void heights_are_measured_under_moved_walls(void **state) {
             memcpy(l.x, l.box->x, (size_t)(l.mesh.n_nodes * l.mesh.dim) * sizeof *moved);
             const planish_layer_heights heights = heights_of(&l, moved);
             assert_true(heights.n_told > N / 2);
+            assert_int_equal(heights.n_at_moved_walls, heights.n_told);
             assert_true(away ? heights.reference.max > 3 : heights.reference.min < -1);
             assert_true(fabs(heights.all.min - 1) < 0.02 && fabs(heights.all.max - 1) < 0.02);
+            free(moved);
+            forget(&l);
+        }
+}
+
+/* A node inside that was displaced through another one, up or down: no wall was moved, and the rows there share
+ * their heights. */
+static void displaced_nodes_are_no_moved_walls(void **state) {
+    (void)state;
+    static const struct {
+        int level;
+        double by; /* of the height over it */
+    } cases[] = {{1, -1.5}, {1, -4}, {1, 1.5}, {2, -2.5}, {3, -1.5}, {3, 1.2}, {N - 2, -1.2}};
+    for (int k = 0; k < N_KINDS; k++)
+        for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+            layers l = make_layers(kinds[k]);
+            const int dim = l.mesh.dim, level = cases[i].level;
+            double *moved = test_copy_of(&l.mesh);
+            for (int64_t j = 0; j < l.mesh.n_nodes; j++) {
+                const double *p = l.box->x + j * dim;
+                const double z = FIRST * (pow(GROWTH, level) - 1) / (GROWTH - 1);
+                if (fabs(p[0] - N / 2) < 1e-9 && (dim == 2 || fabs(p[1] - N / 2) < 1e-9) &&
+                    fabs(p[dim - 1] - z) < 1e-9)
+                    moved[j * dim + dim - 1] += cases[i].by * FIRST * pow(GROWTH, level);
+            }
+            const planish_layer_heights heights = heights_of(&l, moved);
+            assert_int_equal(heights.n_told, 2);
+            assert_int_equal(heights.n_at_moved_walls, 0);
+            assert_true(heights.reference.min < 0 && heights.reference.max > 1.5);
+            assert_true(fabs(heights.all.min - 1) < 0.03 && fabs(heights.all.max - 1) < 0.03);
             free(moved);
             forget(&l);
         }
@@ -769,6 +800,7 @@ int main(void) {
         cmocka_unit_test(heights_are_measured_by_rows),
         cmocka_unit_test(heights_are_measured_at_any_scale),
         cmocka_unit_test(heights_are_measured_under_moved_walls),
+        cmocka_unit_test(displaced_nodes_are_no_moved_walls),
         cmocka_unit_test(surfaces_between_layers_are_no_moved_walls),
         cmocka_unit_test(rows_are_counted_from_surfaces_between_layers),
         cmocka_unit_test(moved_surfaces_between_layers_tell_both_sides),

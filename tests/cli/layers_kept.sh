@@ -50,6 +50,21 @@ print(max(abs((points[index[at + (row + 1,)]][-1] - points[index[at + (row,)]][-
           for row in range(int(sys.argv[3])) for at in itertools.product(range(1, N), repeat=dim - 1)))
 END2
 
+# tangle.py KIND MESH: a node in the middle goes from the third row down, through the one under it.
+cat >tangle.py <<'END2'
+import sys
+
+N, ROWS, GROWTH, FIRST = 8, 24, 1.2, 0.01
+lines = open(sys.argv[2]).read().split("\n")
+first = next(i for i, line in enumerate(lines) if line.startswith("Vertices")) + 1
+column = N // 2 if sys.argv[1] in ("quads", "triangles") else N // 2 * (N + 1) + N // 2
+at = first + column * (ROWS + 1) + 3
+words = lines[at].split()
+words[-2] = repr(float(words[-2]) - 1.5 * FIRST * GROWTH ** 3)
+lines[at] = " ".join(words)
+print("\n".join(lines))
+END2
+
 # below X MOST: X is at most that.
 below() {
     python3 -c "import sys; x, most = map(float, sys.argv[1:]); sys.exit(not x <= most)" "$@"
@@ -108,8 +123,19 @@ END2
     expect_json 'r["layer_heights"]["told_by_rows_inside"] > 0 and r["layer_heights"]["before"]["min"] < 0'
     expect_json 'all(0.9 < h["min"] and h["max"] < 1.1 for h in r["layer_heights"]["rows"][:5])'
     grep -q "^A wall was moved: .* heights are told by the rows inside" out || fail "$kind: the table says that a wall was moved"
-    # The same against the mesh before: it tells all heights.
+    expect_json 'r["layer_heights"]["at_moved_walls"] == r["layer_heights"]["told_by_rows_inside"]'
+    # A node inside was displaced: no wall was moved, and held layers would stay inverted.
     python3 make.py $kind 0 0 >start.mesh
+    python3 tangle.py $kind start.mesh >tangled.mesh
+    expect_status 0 "$program" smooth tangled.mesh -o out.mesh --layers keep --json report.json --report page.html
+    expect_json 'r["before"]["inverted"] > 0 and r["after"]["inverted"] == 0'
+    expect_json 'r["layer_heights"]["told_by_rows_inside"] == 2 and r["layer_heights"]["at_moved_walls"] == 0'
+    expect_json '0.99 < r["layer_heights"]["min"] and r["layer_heights"]["max"] < 1.01'
+    below "$(python3 heights.py $kind out.mesh 5)" 0.02 || fail "$kind: heights of displaced nodes $(python3 heights.py $kind out.mesh 5)"
+    grep -q "^Nodes of layers were displaced: 2 of .* heights are told by other rows" out || fail "$kind: the table says what was displaced"
+    grep -q "Nodes of layers were displaced: 2 wanted heights are told by other rows" page.html || fail "$kind: the page says what was displaced"
+    ! grep -qE "wall was moved|layers hold" out err page.html || fail "$kind: no wall was moved: $(cat err)"
+    # The same against the mesh before: it tells all heights.
     expect_status 0 "$program" smooth moved.mesh -o liked.mesh --like start.mesh --json report.json
     expect_json 'r["layer_heights"]["wanted"] == "like" and r["layer_heights"]["told_by_rows_inside"] == 0'
     grep -q "off those in the mesh of --like" out || fail "$kind: the table says the heights with --like"
@@ -242,6 +268,11 @@ for kind in quads hexes prisms; do
         below "$(python3 heights.py $kind out.mesh 3)" 0.15 || fail "$kind: heights $(python3 heights.py $kind out.mesh 3)"
     done
 done
+# Where elements are inverted, holding layers is no advice.
+python3 make.py quads 9 0 8 >moved.mesh
+expect_status 0 "$program" smooth moved.mesh -o out.mesh --layers keep
+expect_text ": --like FILE, the mesh before its wall moved, keeps them better"
+! grep -q "layers hold" err || fail "held layers would stay inverted: $(cat err)"
 # There may be no mesh from before.
 python3 make.py quads -9 0 8 >moved.mesh
 expect_status 0 "$program" smooth moved.mesh -o out.mesh --layers keep

@@ -9,6 +9,7 @@ import pickle
 import subprocess
 import sys
 import tempfile
+import time
 import types
 import unittest
 import warnings
@@ -345,6 +346,49 @@ class Files(unittest.TestCase):
         result = planish.smooth(stopped, threads=1, progress=stop_second)
         self.assertEqual((result.stop, result.n_inverted), ("interrupted", 0))
         np.testing.assert_array_equal(stopped.points, whole.points)
+
+    def smooth_in_rounds(self, stop=(0, 0), wait=0, **keywords):
+        """Smooth rows of quadrilaterals, up to a sweep of a round; wait so many seconds in the first sweep.
+
+        Return the points, the result and the number of rounds.
+        """
+        points, cells = self.rows_of_quads(rows=32, thin=12, push=0.3, seed=2)
+        elapsed = [np.inf]
+
+        def progress(step):
+            is_first = step.elapsed < elapsed[-1]
+            elapsed.append(step.elapsed)
+            n_rounds = (np.diff(elapsed) < 0).sum()
+            time.sleep(wait if is_first and n_rounds == 1 else 0)
+            return n_rounds == stop[0] and step.sweep >= stop[1]
+
+        result = planish.smooth(points, {"quad": cells}, threads=1, max_sweeps=20, tolerance=0, progress=progress, **keywords)
+        return points, result, (np.diff(elapsed) < 0).sum()
+
+    def heights_of_rows(self, points):
+        """Return the heights of layers of these rows of quadrilaterals."""
+        start, cells = self.rows_of_quads(rows=32, thin=12, push=0.3, seed=2)
+        return planish.layer_heights(points, {"quad": cells}, start=start).all
+
+    def test_an_unfinished_round_stands_if_it_is_better(self):
+        """A round that a signal ends stands if most of it was done, and its heights are better than those before."""
+        _, result, last = self.smooth_in_rounds()
+        self.assertGreater(last, 3)
+        self.assertEqual((result.stop, result.sweeps), ("max-sweeps", 20))
+        for stop in (2, 1), (last, 1):
+            points, result, n_rounds = self.smooth_in_rounds(stop)
+            self.assertEqual((result.stop, result.sweeps, n_rounds), ("interrupted", 20, stop[0]))
+            self.assertGreater(self.heights_of_rows(points).max, 1.1)
+        points, result, n_rounds = self.smooth_in_rounds((last, 12))
+        self.assertEqual((result.stop, result.sweeps, n_rounds), ("interrupted", 12, last))
+        heights = self.heights_of_rows(points)
+        self.assertTrue(0.9 < heights.min and heights.max < 1.1, heights)
+
+    def test_a_round_without_time_does_not_begin(self):
+        first, _, _ = self.smooth_in_rounds((2, 1))
+        points, result, n_rounds = self.smooth_in_rounds(wait=2.2, time_limit=3)
+        self.assertEqual((result.stop, result.sweeps, n_rounds), ("time-limit", 20, 1))
+        np.testing.assert_array_equal(points, first)
 
     @unittest.skipIf(not PROGRAM, "without the program")
     def test_tilted_planes_have_the_programs_bytes(self):

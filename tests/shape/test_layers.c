@@ -700,6 +700,42 @@ static void drawn_meshes_have_the_layers_of_the_plane(void **state) {
     }
 }
 
+/** Rows of wedges between two planes, whose triangles go from one to the other, are layers like those of the
+ *  hexahedra beside them. */
+static void wedges_across_the_planes_have_layers(void **state) {
+    (void)state;
+    enum { LONG = 20, HIGH = 10, N_SIDE = (LONG + 1) * (HIGH + 1), N_CELLS = LONG / 2 * HIGH * 3 };
+    static const int wedge[2][6] = {{0, 1, 2, 4, 5, 6}, {0, 2, 3, 4, 6, 7}};
+    static double x[2 * N_SIDE * 3];
+    static int32_t node[LONG / 2 * HIGH * (8 + 12)];
+    static int64_t offset[N_CELLS + 1];
+    static uint8_t type[N_CELLS];
+    int n = 0;
+    for (int i = 0; i < 2 * N_SIDE; i++) {
+        x[3 * i] = i / N_SIDE;
+        x[3 * i + 1] = i % N_SIDE / (HIGH + 1);
+        x[3 * i + 2] = 0.1 * (i % (HIGH + 1));
+    }
+    for (int i = 0; i < LONG * HIGH; i++) {
+        const int at = i / HIGH * (HIGH + 1) + i % HIGH, is_split = i / HIGH >= LONG / 2;
+        const int low[] = {at, at + N_SIDE, at + N_SIDE + HIGH + 1, at + HIGH + 1};
+        for (int part = 0; part <= is_split; part++, n++) {
+            type[n] = is_split ? PLANISH_CELL_WEDGE : PLANISH_CELL_HEXAHEDRON;
+            offset[n + 1] = offset[n] + (is_split ? 6 : 8);
+            for (int j = 0; j < (is_split ? 6 : 8); j++) {
+                const int corner = is_split ? wedge[part][j] : j;
+                node[offset[n] + j] = low[corner % 4] + corner / 4;
+            }
+        }
+    }
+    const planish_cells cells = {.n = N_CELLS, .type = type, .offset = offset, .node = node};
+    const planish_mesh mesh = {
+        .dim = 3, .n_nodes = 2 * N_SIDE, .n_elements = N_CELLS, .coordinates = x, .cells = &cells};
+    int64_t n_layer;
+    free(find(&mesh, 1, &n_layer));
+    assert_int_equal(n_layer, N_CELLS);
+}
+
 /** Rows above a wall that was moved through the first one are found, few as they are. */
 static void moved_walls_leave_layers(void **state) {
     (void)state;
@@ -922,6 +958,7 @@ int main(void) {
         cmocka_unit_test(one_bad_element_leaves_a_layer),
         cmocka_unit_test(slivers_at_the_end_leave_a_layer),
         cmocka_unit_test(drawn_meshes_have_the_layers_of_the_plane),
+        cmocka_unit_test(wedges_across_the_planes_have_layers),
         cmocka_unit_test(moved_walls_leave_layers),
         cmocka_unit_test(rows_go_on_along_walls),
         cmocka_unit_test(cells_are_judged_alike_in_any_place),

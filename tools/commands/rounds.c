@@ -1,5 +1,12 @@
 /* rounds: the sweeps, which begin again with nodes of layers held where heights have changed by much.
  *
+ * A round begins at the input. So a limit or signal that ends it early leaves a mesh that is hardly smoothed,
+ * but keeps more heights than the round before, which has come to its end. Both are valid. A user wants the
+ * heights of layers, but not at the price of all else: an unfinished round stands if it has no more invalid
+ * elements, has its heights less far off, and has had half the sweeps of the last one that stands. Else that
+ * one comes back, and the note on heights says what they have become. A round for which there is less than half
+ * the time of the last one does not begin.
+ *
  * Every function that returns an int returns 0, or an exit status after a message.
  */
 #include "commands/rounds.h"
@@ -21,6 +28,9 @@
 
 /* Rounds that hold more nodes, at most, and rounds that let nodes go again. */
 enum { HOLDS = 7, RELEASES = 2 };
+
+/* Part of the last round that the next one should have: of its time, to begin at all, and of its sweeps, to stand. */
+static const double ENOUGH = 0.5;
 
 /** The callback of the sweeps; user is a pl_listeners. */
 static int tell(const planish_progress *step, void *user) {
@@ -66,6 +76,12 @@ static int has_ended(const pl_result *result) {
     return stop == PLANISH_STOP_CONVERGED || stop == PLANISH_STOP_MAX_SWEEPS;
 }
 
+/** Whether a limit or a signal has ended the last sweeps. */
+static int is_cut(const pl_result *result) {
+    const planish_stop stop = result->smooth.stop;
+    return stop == PLANISH_STOP_TIME_LIMIT || stop == PLANISH_STOP_INTERRUPTED;
+}
+
 /** Whether sweeps may be repeated from the start: kept layers may have changed their heights. */
 static int may_repeat(const pl_job *job, const pl_result *result) {
     return job->layers.n_kept > 0 && !job->onto.fit && !pl_signals_stop_asked() &&
@@ -101,7 +117,9 @@ typedef struct standing {
     double *place;     /* [n_nodes][dim] owned */
     uint8_t *in_layer; /* [n_nodes] as that of the job; owned */
     planish_result smooth;
-    pl_sweep *sweep; /* owned */
+    int64_t n_faults; /* elements that are not valid */
+    double worst;     /* by how much a height is off most */
+    pl_sweep *sweep;  /* owned */
     int64_t n_sweeps;
     pl_history *history; /* owned */
 } standing;
@@ -162,13 +180,15 @@ static int standing_return(standing *s, pl_job *job, pl_result *result, pl_liste
 /** What the rounds have come to. */
 typedef struct rounds {
     uint8_t *in_layer; /* [n_nodes] those that are held next; owned */
-    int n_holds;       /* rounds that hold more nodes */
-    int is_tangled; /* the mesh had elements that are not valid; 0: nothing that follows is set */
-    int n_releases; /* rounds that let nodes go */
-    uint8_t *is_faulty; /* [n_elements] not valid now; owned */
+    int n_holds;       /* rounds that hold more nodes, */
+    int n_releases;    /* and that let nodes go */
+    double seconds;    /* of the last round */
+    double worst;      /* after it, by how much a height is off most, if more nodes are held next */
+    int is_tangled;    /* the mesh had elements that are not valid; 0: there are none */
+    uint8_t *is_faulty; /* [n_elements] not valid now; owned; NULL: there are none */
     int64_t n_faults;   /* of these, */
     int64_t n_first;    /* and after the first round */
-    standing standing;  /* after the last round that has left no more than the first */
+    standing standing;  /* after the last round that was followed by one that holds more nodes */
 } rounds;
 
 static void rounds_free(rounds *r) {
@@ -197,53 +217,91 @@ static int find_faults(const pl_job *job, rounds *r) {
     return status;
 }
 
-/** Hold more nodes, or let go those around elements that are not valid as nodes are held; *n: how many. */
-static int change_nodes(pl_job *job, const pl_result *result, pl_listeners *to, rounds *r,
-                        int64_t *n) {
-    int status = 0;
+/** Choose more nodes to be held, or fewer, without those around elements that are not valid as nodes are
+ *  held; *n: how many change. */
+static int choose_nodes(pl_job *job, rounds *r, int64_t *n) {
     *n = 0;
     if (r->n_faults > r->n_first && r->n_releases < RELEASES) {
         r->n_releases++;
         *n = pl_heights_release(job, r->is_faulty, r->in_layer);
     } else if (r->n_faults <= r->n_first && r->n_holds < HOLDS) {
-        status = pl_heights_choose(job, ++r->n_holds == HOLDS, r->in_layer, n);
-        if (!status && *n > 0 && r->is_tangled)
-            status = standing_take(&r->standing, job, result, to);
+        return pl_heights_choose(job, ++r->n_holds == HOLDS, r->in_layer, n, &r->worst);
     }
-    if (!status && *n > 0)
-        pl_heights_hold(job, r->in_layer);
-    return status;
+    return 0;
 }
 
-/** Smooth again from the start, in what is left of the time. */
+/** Whether enough is left of the time for another round. */
+static int has_time(const pl_result *result, double limit, const rounds *r) {
+    return limit <= 0 || limit - result->smooth_seconds >= ENOUGH * r->seconds;
+}
+
+/** Smooth again from the start, in what is left of the time, with the chosen nodes held. The result as it is
+ *  now stands, unless nodes are let go as it leaves too many elements that are not valid. */
 static int run_again(pl_job *job, pl_result *result, pl_listeners *to, double limit, rounds *r) {
     static const double LEAST = 1e-3;
     const double before = result->smooth_seconds;
+    int status = 0;
+    if (r->n_faults <= r->n_first) {
+        status = standing_take(&r->standing, job, result, to);
+        r->standing.n_faults = r->n_faults;
+        r->standing.worst = r->worst;
+    }
+    if (status)
+        return status;
+    pl_heights_hold(job, r->in_layer);
     if (limit > 0)
         job->options.time_limit = limit - before > LEAST ? limit - before : LEAST;
-    int status = begin_again(job, result, to);
+    status = begin_again(job, result, to);
     if (!status)
         status = run_sweeps(job, result, to);
+    r->seconds = result->smooth_seconds;
     result->smooth_seconds += before;
     return status ? status : find_faults(job, r);
+}
+
+/** Find whether a round that was ended early is to stand: see the beginning of this file. */
+static int stands(const pl_job *job, const pl_result *result, const rounds *r, int *is_standing) {
+    const standing *last = &r->standing;
+    double worst = 0;
+    *is_standing =
+        r->n_faults <= last->n_faults && result->smooth.sweeps >= ENOUGH * last->smooth.sweeps;
+    const int status = *is_standing ? pl_heights_find_worst(job, &worst) : 0;
+    *is_standing &= worst < last->worst;
+    return status;
+}
+
+/** Find whether the result is to give way to the one that stands. */
+static int gives_way(const pl_job *job, const pl_result *result, const rounds *r, int *is_worse) {
+    int is_standing = r->n_faults <= r->n_first;
+    int status = 0;
+    if (r->standing.place && is_cut(result))
+        status = stands(job, result, r, &is_standing);
+    *is_worse = !is_standing;
+    return status;
 }
 
 /** Hold nodes in rounds until no heights change by much; the mesh has been smoothed once. */
 static int hold_in_rounds(pl_job *job, pl_result *result, pl_listeners *to, rounds *r) {
     const double limit = job->options.time_limit;
     int64_t n = 1;
-    int status = find_faults(job, r);
+    int is_worse, is_late = 0, status = find_faults(job, r);
     r->n_first = r->n_faults;
-    while (!status && n > 0 && may_repeat(job, result)) {
-        status = change_nodes(job, result, to, r, &n);
-        if (!status && n > 0)
+    r->seconds = result->smooth_seconds;
+    while (!status && n > 0 && !is_late && may_repeat(job, result)) {
+        status = choose_nodes(job, r, &n);
+        is_late = n > 0 && !has_time(result, limit, r);
+        if (!status && n > 0 && !is_late)
             status = run_again(job, result, to, limit, r);
-        if (r->n_faults > r->n_first && job->wanted.n_faults == 0)
+        if (r->n_faults > r->n_first && has_ended(result) && job->wanted.n_faults == 0)
             job->wanted.n_faults = r->n_faults - r->n_first;
     }
     job->options.time_limit = limit;
-    if (!status && r->n_faults > r->n_first)
+    if (!status)
+        status = gives_way(job, result, r, &is_worse);
+    if (!status && is_worse)
         status = standing_return(&r->standing, job, result, to);
+    if (is_late)
+        result->smooth.stop = PLANISH_STOP_TIME_LIMIT;
     return status;
 }
 

@@ -134,7 +134,8 @@ static void print_table(const pl_job *job, const pl_result *result, int status) 
         FILE *stream = pl_output_takes_stdout(arguments) ? stderr : stdout;
         pl_table_smooth(stream, job, result);
         pl_hint_print(stream, job, result);
-        pl_heights_note(stderr, job, &result->heights);
+        pl_heights_note(stderr, job, &result->heights,
+                        pl_cells_validity_faults(&result->validity_before, &result->before) == 0);
         pl_volumes_print(stderr, job, &result->volumes);
         pl_unfixable_print(stderr, job, &result->unfixable);
         pl_inside_print(stderr, job, &result->validity_after, &result->unfixable);

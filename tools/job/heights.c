@@ -100,16 +100,25 @@ static void spread_off(const pl_job *job, double *off) {
     }
 }
 
+/** Find how much heights at each node are off: off [n_nodes], 0 at nodes that were released. *worst: the
+ *  largest of these. */
+static int find_off(const pl_job *job, double *off, double *worst) {
+    planish_layer_heights heights;
+    const int status = measure(job, &heights, off);
+    *worst = 0;
+    for (int64_t i = 0; !status && i < job->mesh.n_nodes; i++) {
+        off[i] = job->wanted.is_released[i] ? 0 : off[i];
+        *worst = fmax(*worst, off[i]);
+    }
+    return status;
+}
+
 /** Add the nodes that are off to those held, where the one that is off most is so by much; return how many are
  *  new. */
-static int64_t add_nodes(const pl_job *job, int of_all, double *off, uint8_t *in_layer) {
+static int64_t add_nodes(const pl_job *job, int of_all, double worst, double *off,
+                         uint8_t *in_layer) {
     const int64_t n_nodes = job->mesh.n_nodes;
-    double worst = 0;
     int64_t n = 0;
-    for (int64_t i = 0; i < n_nodes; i++) {
-        off[i] = job->wanted.is_released[i] ? 0 : off[i];
-        worst = fmax(worst, off[i]);
-    }
     if (worst > MUCH && of_all)
         spread_off(job, off);
     for (int64_t i = 0; worst > MUCH && i < n_nodes; i++)
@@ -140,9 +149,9 @@ static int begin_choice(pl_job *job, uint8_t *in_layer) {
     return 0;
 }
 
-int pl_heights_choose(pl_job *job, int of_all, uint8_t *in_layer, int64_t *n) {
-    planish_layer_heights heights;
+int pl_heights_choose(pl_job *job, int of_all, uint8_t *in_layer, int64_t *n, double *worst) {
     *n = 0;
+    *worst = 0;
     if (!job->like.is_layer || !job->like.place)
         return 0;
     int status = begin_choice(job, in_layer);
@@ -150,9 +159,17 @@ int pl_heights_choose(pl_job *job, int of_all, uint8_t *in_layer, int64_t *n) {
     if (!status && !off)
         status = pl_job_complain_memory(job, "heights of layers");
     if (!status)
-        status = measure(job, &heights, off);
+        status = find_off(job, off, worst);
     if (!status)
-        *n = add_nodes(job, of_all, off, in_layer);
+        *n = add_nodes(job, of_all, *worst, off, in_layer);
+    free(off);
+    return status;
+}
+
+int pl_heights_find_worst(const pl_job *job, double *worst) {
+    double *off = malloc(((size_t)job->mesh.n_nodes + 1) * sizeof *off);
+    const int status =
+        off ? find_off(job, off, worst) : pl_job_complain_memory(job, "heights of layers");
     free(off);
     return status;
 }
@@ -246,14 +263,16 @@ static void put_held(FILE *stream, int64_t n) {
     pl_terminal_wrap(stream, text);
 }
 
-/** Say how many heights the rows inside tell. */
+/** Say how many heights other rows tell, and why. */
 static void put_told(FILE *stream, const pl_job *job, const planish_layer_heights *of) {
     char reference[80], text[400];
+    const int is_wall = of->n_at_moved_walls > 0;
     put_row(&of->reference, reference, sizeof reference);
     snprintf(text, sizeof text,
-             "A wall was moved: %" PRId64 " of %" PRId64
-             " heights are told by the rows inside; %s they were %s off.",
-             of->n_told, of->all.n, is_like(job) ? "in that mesh" : "before", reference);
+             "%s: %" PRId64 " of %" PRId64 " heights are told by %s; %s they were %s off.",
+             is_wall ? "A wall was moved" : "Nodes of layers were displaced", of->n_told, of->all.n,
+             is_wall ? "the rows inside" : "other rows", is_like(job) ? "in that mesh" : "before",
+             reference);
     pl_terminal_wrap(stream, text);
 }
 
@@ -283,7 +302,23 @@ static double find_worst(const planish_layer_heights *of, int *row) {
     return worst;
 }
 
-void pl_heights_note(FILE *stream, const pl_job *job, const pl_heights *heights) {
+/** What keeps heights better; holding layers would keep inverted elements, too. is_valid: there were none. */
+static const char *advice(const pl_job *job, const planish_layer_heights *of, int is_valid) {
+    if (of->n_at_moved_walls > 0)
+        return is_valid ? ": --like FILE, the mesh before its wall moved, keeps them better, and "
+                          "--layers hold keeps them as they are"
+                        : ": --like FILE, the mesh before its wall moved, keeps them better";
+    if (of->n_told > 0)
+        return is_valid ? ": --like FILE, the mesh before nodes were displaced, keeps them "
+                          "better, and --layers hold keeps them as they are"
+                        : ": --like FILE, the mesh before nodes were displaced, keeps them better";
+    if (job->layers.n_kept == 0)
+        return is_valid ? ": --layers keep, or --fix-layers, keeps them"
+                        : ": --layers keep keeps them";
+    return is_valid ? ": --layers hold keeps them all" : "";
+}
+
+void pl_heights_note(FILE *stream, const pl_job *job, const pl_heights *heights, int is_valid) {
     char all[80], why[160];
     int row;
     if (!heights->is_known || !(find_worst(&heights->of, &row) > MUCH))
@@ -296,9 +331,5 @@ void pl_heights_note(FILE *stream, const pl_job *job, const pl_heights *heights)
             compared_with(job, heights), row, row == PLANISH_LAYER_ROWS ? " or above" : "",
             is_like(job)               ? ""
             : job->wanted.n_faults > 0 ? why
-            : heights->of.n_told > 0
-                ? ": --like FILE, the mesh before its wall moved, keeps them better, and "
-                  "--layers hold keeps them as they are"
-            : job->layers.n_kept == 0 ? ": --layers keep, or --fix-layers, keeps them"
-                                      : ": --layers hold keeps them all");
+                                       : advice(job, &heights->of, is_valid));
 }

@@ -4,6 +4,7 @@
  *     pl_heights_begin       find out what they are compared with
  *     pl_heights_measure     of the mesh as it is now
  *     pl_heights_choose      nodes of kept layers whose heights have changed by much
+ *     pl_heights_find_worst  by how much a height has changed most
  *     pl_heights_release     nodes that are not held, as elements need them
  *     pl_heights_hold        hold nodes
  *     pl_heights_put, _note  a line for a table; a note where they are off by much
@@ -31,8 +32,13 @@ int pl_heights_measure(const pl_job *job, pl_heights *heights);
 
 /** Choose the nodes that are held at their heights: in_layer [n_nodes], those that are held now, and those of
  *  kept layers at heights that have changed by much, if there are any; not where a wall was moved, nor those
- *  that were released. of_all: all nodes of layers, if there are any. *n: how many nodes are new. */
-int pl_heights_choose(pl_job *job, int of_all, uint8_t *in_layer, int64_t *n);
+ *  that were released. of_all: all nodes of layers, if there are any. *n: how many nodes are new. *worst: as
+ *  below. */
+int pl_heights_choose(pl_job *job, int of_all, uint8_t *in_layer, int64_t *n, double *worst);
+
+/** Find by how much of itself a height of kept layers has changed most, but where a wall was moved, or nodes
+ *  were released. Nodes have been chosen before. */
+int pl_heights_find_worst(const pl_job *job, double *worst);
 
 /** Release the nodes of faulty elements and of some rings of elements around these, or around all that were
  *  released before: in_layer [n_nodes] has those that are held now without them, and they are not chosen again.
@@ -45,7 +51,7 @@ void pl_heights_hold(pl_job *job, const uint8_t *in_layer);
 /** Put lines on heights, if they are known. */
 void pl_heights_put(FILE *stream, const pl_job *job, const pl_heights *heights);
 
-/** Say that heights have changed by much, and what keeps them. */
-void pl_heights_note(FILE *stream, const pl_job *job, const pl_heights *heights);
+/** Say that heights have changed by much, and what keeps them. is_valid: all elements were, before. */
+void pl_heights_note(FILE *stream, const pl_job *job, const pl_heights *heights, int is_valid);
 
 #endif

@@ -129,9 +129,10 @@ void pl_page_put_layers(pl_markup *page, const pl_figures *figures) {
     pl_markup_put(page, "%s. Rows are counted from the thin end.",
                   is_like ? "those of the mesh that elements should be like" : "those before");
     if (n_told > 0) {
-        pl_markup_put(page, " A wall was moved: ");
+        const int is_wall = pl_figure_count(heights, "at_moved_walls") > 0;
+        pl_markup_put(page, is_wall ? " A wall was moved: " : " Nodes of layers were displaced: ");
         pl_markup_put_number_of(page, n_told, "wanted height is", "wanted heights are");
-        pl_markup_put(page, " told by the rows inside.");
+        pl_markup_put(page, is_wall ? " told by the rows inside." : " told by other rows.");
     }
     pl_markup_put(page,
                   "</p>\n<div class=\"scroll\"><table class=\"many\"><thead><tr><th scope=\"col\">"

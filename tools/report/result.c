@@ -174,6 +174,7 @@ static void add_heights(pl_json *json, cJSON *root, const pl_job *job, const pl_
     cJSON *to = pl_json_object(json, root, "layer_heights");
     pl_json_text(json, to, "wanted", job->arguments->like ? "like" : "before");
     pl_json_integer(json, to, "told_by_rows_inside", of->n_told);
+    pl_json_integer(json, to, "at_moved_walls", of->n_at_moved_walls);
     pl_json_integer(json, to, "held_nodes", job->wanted.n_held);
     add_layer_row(json, to, &of->all);
     add_layer_row(json, pl_json_object(json, to, "before"), &of->reference);

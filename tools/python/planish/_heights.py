@@ -6,7 +6,7 @@ The rounds are those of the program (tools/commands/rounds.c, tools/job/heights.
 from __future__ import annotations
 
 from ctypes import byref
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Optional
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,8 @@ _LEAST_TIME = 1e-3  # seconds
 _FIXED = 1  # planish_constraint
 _VALID = 1  # planish_cell_state
 _HAS_ENDED = ("converged", "max-sweeps")
+_IS_CUT = ("time-limit", "interrupted")
+_ENOUGH = 0.5  # part of the last round that the next one should have: of its time to begin, of its sweeps to stand
 
 
 def run_with_layers(plan: Plan, run: RunChoices) -> Result:
@@ -42,6 +44,8 @@ class _Standing(NamedTuple):
     points: NDArray[Any]
     held: NDArray[np.bool_]
     result: Result
+    n_faulty: int
+    worst: float  # by how much a height is off most, in parts of a height
 
 
 class _Rounds:
@@ -55,20 +59,32 @@ class _Rounds:
         self.constraint = np.zeros(view.n, dtype=np.uint8) if view.constraint is None else view.constraint.copy()
         self.held, self.released = np.zeros(view.n, dtype=bool), np.zeros(view.n, dtype=bool)
         self.nodes, self.owner = view.elements.corners_of_all()
-        self.n_holds, self.n_releases = 0, 0
+        self.n_holds, self.n_releases, self.worst = 0, 0, 0.0
         self.is_tangled = bool((view.states() > _VALID).any())
         self.result = plan.run(None, run)
         self.seconds = self.result.seconds
         self.faulty = self._find_faulty()
-        self.n_first = self.faulty.sum()
-        self.standing = _Standing(self.start, self.held, self.result)
+        self.n_first = int(self.faulty.sum())
+        self.standing: Optional[_Standing] = None
 
     def smooth(self) -> Result:
-        """Hold nodes in rounds until no heights change by much."""
-        while self.result.stop in _HAS_ENDED and self._change_nodes():
-            self._smooth_again()
-        if self.faulty.sum() > self.n_first:
-            self._let_standing_return()
+        """Hold nodes in rounds until no heights change by much.
+
+        A round that a limit or signal ends early is hardly smoothed, but keeps more heights than the one before. It
+        stands if it has no more invalid elements, has heights less far off, and has had half the sweeps of that one.
+        """
+        is_late = False
+        while self.result.stop in _HAS_ENDED and not is_late:
+            held = self._choose_nodes()
+            if not (held != self.held).any():
+                break
+            is_late = not self._has_time()
+            if not is_late:
+                self._smooth_again(held)
+        if self.standing is not None and self._gives_way(self.standing):
+            self._let_standing_return(self.standing)
+        if is_late:
+            self.result.end_by_time()
         self.result.seconds = self.seconds
         return self.result
 
@@ -79,26 +95,38 @@ class _Rounds:
         faulty: NDArray[np.bool_] = self.view.states() > _VALID
         return faulty
 
-    def _change_nodes(self) -> bool:
-        """Hold more nodes, or let those around elements go that are not valid as nodes are held. Return whether any."""
-        held = self.held
+    def _choose_nodes(self) -> NDArray[np.bool_]:
+        """Return the mask of held nodes with more of them, or without those around elements that are not valid."""
         if self.faulty.sum() > self.n_first and self.n_releases < _RELEASES:
             self.n_releases += 1
-            held = self._without_released()
-        elif self.faulty.sum() <= self.n_first and self.n_holds < _HOLDS:
+            return self._without_released()
+        if self.faulty.sum() <= self.n_first and self.n_holds < _HOLDS:
             self.n_holds += 1
-            held = self._with_chosen()
-            if (held != self.held).any() and self.is_tangled:
-                self.standing = _Standing(np.array(self.view.given), self.held, self.result)
-        is_new = bool((held != self.held).any())
-        self.held = held
-        return is_new
+            return self._with_chosen()
+        return self.held
+
+    def _has_time(self) -> bool:
+        """Return whether enough is left of the time for another round."""
+        limit = self.run.time_limit
+        return limit <= 0 or limit - self.seconds >= _ENOUGH * self.result.seconds
+
+    def _gives_way(self, standing: _Standing) -> bool:
+        """Return whether the result is to give way to the one that stands."""
+        if self.result.stop not in _IS_CUT:
+            return bool(self.faulty.sum() > self.n_first)
+        return bool(self.faulty.sum() > standing.n_faulty or self.result.sweeps < _ENOUGH * standing.result.sweeps
+                    or not self._worst(self._off()) < standing.worst)
+
+    def _worst(self, off: NDArray[np.float64]) -> float:
+        """Return the largest of off [n] but at nodes that were released, where it becomes 0."""
+        off[self.released] = 0
+        return float(np.fmax.reduce(off, initial=0))
 
     def _with_chosen(self) -> NDArray[np.bool_]:
         """Return the mask of held nodes with those at which heights are off, if some are by much; in the end of all."""
         off = self._off()
-        off[self.released] = 0
-        if not np.fmax.reduce(off, initial=0) > _MUCH:
+        self.worst = self._worst(off)
+        if not self.worst > _MUCH:
             return self.held
         if self.n_holds == _HOLDS:
             assert self.view.is_layer is not None
@@ -121,20 +149,26 @@ class _Rounds:
         self.view.given[...] = self.start
         self.plan.renew()
 
-    def _smooth_again(self) -> None:
-        """Smooth again from the start, in what is left of the time."""
+    def _smooth_again(self, held: NDArray[np.bool_]) -> None:
+        """Smooth again from the start, in what is left of the time, with these nodes held.
+
+        The result as it is now stands, unless nodes are let go as it leaves too many elements that are not valid.
+        """
         limit = self.run.time_limit
+        if self.faulty.sum() <= self.n_first:
+            self.standing = _Standing(np.array(self.view.given), self.held, self.result, int(self.faulty.sum()), self.worst)
+        self.held = held
         left = max(limit - self.seconds, _LEAST_TIME) if limit > 0 else 0
         self._begin_again()
         self.result = self.plan.run(None, self.run._replace(time_limit=left))
         self.seconds += self.result.seconds
         self.faulty = self._find_faulty()
 
-    def _let_standing_return(self) -> None:
+    def _let_standing_return(self, standing: _Standing) -> None:
         """Let the result come back that stands. Sweeps that a limit or signal has ended say so still."""
-        last, self.held, self.result = self.result, self.standing.held, self.standing.result
+        last, self.held, self.result = self.result, standing.held, standing.result
         self._begin_again()
-        self.view.given[...] = self.standing.points
+        self.view.given[...] = standing.points
         if last.stop not in _HAS_ENDED:
             self.result.end_as(last)
 

@@ -299,7 +299,8 @@ class LayerHeights(Printed):
     n_told: Int64
     _n_rows: Int
     _row: Annotated[Sequence[LayerRow], LayerRow * 32]
-    reserved: Annotated[Any, c_double * 2]
+    n_at_moved_walls: Int64
+    reserved: Annotated[Any, c_double * 1]
 
     @property
     def by_row(self) -> list[LayerRow]:
@@ -309,7 +310,7 @@ class LayerHeights(Printed):
     def as_dict(self) -> dict[str, Any]:
         """Return the values by name."""
         return {"all": self.all.as_dict(), "reference": self.reference.as_dict(), "n_told": self.n_told,
-                "by_row": [row.as_dict() for row in self.by_row]}
+                "n_at_moved_walls": self.n_at_moved_walls, "by_row": [row.as_dict() for row in self.by_row]}
 
     def rows(self) -> Rows:
         """Return the names and values of the table that print shows."""
@@ -369,6 +370,10 @@ class Result(Printed):
     def end_as(self, other: Result) -> None:
         """Take the reason of another result why smoothing ended."""
         self._stop = other._stop
+
+    def end_by_time(self) -> None:
+        """Let the time limit be the reason why smoothing ended."""
+        self._stop = 2
 
     def as_dict(self) -> dict[str, Any]:
         """Return the values by name."""
