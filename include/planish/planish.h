@@ -724,9 +724,10 @@ typedef struct planish_options {
     double max_displacement;     /* how far from its start a node may go; 0: any distance */
     double rounding; /* elements of order 2: largest distance of a mid from the middle of
                                     a straight edge; 1e-6 of the element's longest edge is always
-                                    allowed. Elements that this bends by much are curved all the
-                                    same. With mesh.cells a call refuses another value than that of the
-                                    plan */
+                                    allowed. Beyond, an element is curved; within rounding it is if it
+                                    is not valid, or its least Bezier coefficient of det J at most half
+                                    of their mean. With mesh.cells a call refuses another value than
+                                    that of the plan */
     planish_length_unit displacement_unit; /* of max_displacement */
     planish_precision precision;           /* format in which coordinates are stored in the end */
     int untangle;           /* not 0 (the default): repair elements that are not positive first,
@@ -1072,7 +1073,7 @@ typedef struct planish_cell_measures {
     int64_t n_uncertified; /* elements whose validity is not decided; they count as not valid */
     int64_t n_inverted_corners; /* corners whose edges, taken as straight, have a determinant <= 0;
                                    decided exactly */
-    int64_t n_curved;           /* elements with a node off the middle of its corners */
+    int64_t n_curved;           /* curved elements (planish_options.rounding) */
     double rms_aspect_ratio;    /* AR: root of the mean over the corners of the squared mean ratio,
                                   1 for the ideal element */
     double mean_aspect_ratio;
@@ -1109,7 +1110,7 @@ typedef enum planish_cell_state {
  *  for a measure that an element does not have. */
 typedef struct planish_cell_values {
     uint8_t *state;          /* [n_elements] of planish_cell_state */
-    uint8_t *is_curved;      /* [n_elements] 1: a node is off the middle of its corners */
+    uint8_t *is_curved;      /* [n_elements] 1: it is curved (planish_options.rounding) */
     double *aspect_ratio;    /* [n_elements] AR of valid elements without inverted corners */
     double *scaled_jacobian; /* [n_elements] least of the corners */
     double
@@ -1120,12 +1121,10 @@ typedef struct planish_cell_values {
 } planish_cell_values;
 
 /** Measure the elements of mesh, of any types (mesh->cells) or simplices alone; those of dimension
- *  mesh->dim count. rounding: largest distance, in units of the coordinates, of a node from the
- *  middle of its corners in an element that counts as straight; 1e-6 of the longest edge is always
- *  allowed. threads: as in planish_options. values (may be NULL) are filled. With mesh->reference
- *  AR compares elements with their shapes there, of order 2 by their corners. Every corner must be
- *  positive there, and all other measures are as without reference. With mesh->metric AR measures
- *  lengths by the metric. On failure quality is as before, and values are unspecified. Errors:
+ *  mesh->dim count. rounding and threads: as in planish_options. values (may be NULL) are filled.
+ *  With mesh->reference AR compares elements with their shapes there, of order 2 by their corners.
+ *  Every corner must be positive there, and all other measures are as without reference. With
+ *  mesh->metric AR measures lengths by the metric. On failure quality is as before, and values are unspecified. Errors:
  *  _ARGUMENT, _MESH, _MEMORY, _PARTS (mesh->part). */
 PLANISH_API int planish_measure_cells(const planish_mesh *mesh, double rounding, int threads,
                                       planish_cell_quality *quality,
