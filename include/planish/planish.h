@@ -786,8 +786,9 @@ typedef struct planish_options {
                                                    shape at the node */
     double
         size_weight; /* 0 .. 1, for planish_plan_create with planish_mesh.reference, size or metric: w in
-                        (1 - w) mu^2 + w (tau + 1 / tau) / 2, which replaces mu^2; tau is the measure
-                        of a corner divided by that of its target */
+                        (1 - w) mu^2 + w (tau + 1 / tau) / 2, which replaces mu^2 in F and in AR as
+                        planish_smooth bounds it; tau is the measure of a corner divided by that of
+                        its target */
     const void *reserved[8]; /* NULL */
 } planish_options;
 
@@ -987,8 +988,9 @@ typedef struct planish_spread {
 /** Quality of a mesh. Definitions and sources: docs/measures.md. Ratios and angles are over the
  *  valid elements (positive measure). Here and in planish_result a movable node is a node that is
  *  free or slides.
- *  In a mixed mesh fields of RR have AR, and an element is valid if all its corners are positive
- *  (planish_measure_cells decides whether it is valid inside, too). mean_ratio is 1 / AR,
+ *  In a mixed mesh fields of RR have AR (with sizes if options.size_weight is above 0), and an
+ *  element is valid if all its corners are positive (planish_measure_cells decides whether it is
+ *  valid inside, too). mean_ratio is 1 / AR,
  *  scaled_jacobian the least of the corners. Volumes are means of the corners: exact but for
  *  hexahedra and wedges that are not parallelepipeds or prisms. Angles, circumradius_to_edge and
  *  edge_to_inradius are 0, as their counts are. */
@@ -1278,8 +1280,10 @@ typedef struct planish_result {
  *    inverted elements stays valid. Without untangling no valid element becomes inverted. Untangling
  *    may invert others, but repairs more.
  *  - In a mesh without inverted elements no element gets a worse RR (AR) than the worst element with
- *    a movable node had. With RR alone as objective, none gets a smaller angle (dihedral in 3-D); in
- *    a mixed mesh no corner gets a smaller scaled Jacobian. Minimum volumes may break these promises.
+ *    a movable node had. With options.size_weight above 0 this AR counts sizes; that of shapes alone
+ *    may get worse. With RR alone as objective, none gets a smaller angle (dihedral in 3-D); in a
+ *    mixed mesh no corner gets a smaller scaled Jacobian, unless targets may have sharp ones
+ *    (docs/targets.md). Minimum volumes may break these promises.
  *  - F never rises once no element is inverted or below its minimum volume. Only options.worst may
  *    raise F, by at most worst_rise of the value that F had converged to.
  *  - The bits are the same for any number of threads, isa and compiler (gcc and clang are tested).
