@@ -724,9 +724,10 @@ typedef struct planish_options {
     double max_displacement;     /* how far from its start a node may go; 0: any distance */
     double rounding; /* elements of order 2: largest distance of a mid from the middle of
                                     a straight edge; 1e-6 of the element's longest edge is always
-                                    allowed. Elements that this bends by much are curved all the
-                                    same. With mesh.cells a call refuses another value than that of the
-                                    plan */
+                                    allowed. Beyond, an element is curved; within rounding it is if it
+                                    is not valid, or its least Bezier coefficient of det J at most half
+                                    of their mean. With mesh.cells a call refuses another value than
+                                    that of the plan */
     planish_length_unit displacement_unit; /* of max_displacement */
     planish_precision precision;           /* format in which coordinates are stored in the end */
     int untangle;           /* not 0 (the default): repair elements that are not positive first,
@@ -785,8 +786,9 @@ typedef struct planish_options {
                                                    shape at the node */
     double
         size_weight; /* 0 .. 1, for planish_plan_create with planish_mesh.reference, size or metric: w in
-                        (1 - w) mu^2 + w (tau + 1 / tau) / 2, which replaces mu^2; tau is the measure
-                        of a corner divided by that of its target */
+                        (1 - w) mu^2 + w (tau + 1 / tau) / 2, which replaces mu^2 in F and in AR as
+                        planish_smooth bounds it; tau is the measure of a corner divided by that of
+                        its target */
     const void *reserved[8]; /* NULL */
 } planish_options;
 
@@ -986,8 +988,9 @@ typedef struct planish_spread {
 /** Quality of a mesh. Definitions and sources: docs/measures.md. Ratios and angles are over the
  *  valid elements (positive measure). Here and in planish_result a movable node is a node that is
  *  free or slides.
- *  In a mixed mesh fields of RR have AR, and an element is valid if all its corners are positive
- *  (planish_measure_cells decides whether it is valid inside, too). mean_ratio is 1 / AR,
+ *  In a mixed mesh fields of RR have AR (with sizes if options.size_weight is above 0), and an
+ *  element is valid if all its corners are positive (planish_measure_cells decides whether it is
+ *  valid inside, too). mean_ratio is 1 / AR,
  *  scaled_jacobian the least of the corners. Volumes are means of the corners: exact but for
  *  hexahedra and wedges that are not parallelepipeds or prisms. Angles, circumradius_to_edge and
  *  edge_to_inradius are 0, as their counts are. */
@@ -1072,7 +1075,7 @@ typedef struct planish_cell_measures {
     int64_t n_uncertified; /* elements whose validity is not decided; they count as not valid */
     int64_t n_inverted_corners; /* corners whose edges, taken as straight, have a determinant <= 0;
                                    decided exactly */
-    int64_t n_curved;           /* elements with a node off the middle of its corners */
+    int64_t n_curved;           /* curved elements (planish_options.rounding) */
     double rms_aspect_ratio;    /* AR: root of the mean over the corners of the squared mean ratio,
                                   1 for the ideal element */
     double mean_aspect_ratio;
@@ -1109,7 +1112,7 @@ typedef enum planish_cell_state {
  *  for a measure that an element does not have. */
 typedef struct planish_cell_values {
     uint8_t *state;          /* [n_elements] of planish_cell_state */
-    uint8_t *is_curved;      /* [n_elements] 1: a node is off the middle of its corners */
+    uint8_t *is_curved;      /* [n_elements] 1: it is curved (planish_options.rounding) */
     double *aspect_ratio;    /* [n_elements] AR of valid elements without inverted corners */
     double *scaled_jacobian; /* [n_elements] least of the corners */
     double
@@ -1120,12 +1123,10 @@ typedef struct planish_cell_values {
 } planish_cell_values;
 
 /** Measure the elements of mesh, of any types (mesh->cells) or simplices alone; those of dimension
- *  mesh->dim count. rounding: largest distance, in units of the coordinates, of a node from the
- *  middle of its corners in an element that counts as straight; 1e-6 of the longest edge is always
- *  allowed. threads: as in planish_options. values (may be NULL) are filled. With mesh->reference
- *  AR compares elements with their shapes there, of order 2 by their corners. Every corner must be
- *  positive there, and all other measures are as without reference. With mesh->metric AR measures
- *  lengths by the metric. On failure quality is as before, and values are unspecified. Errors:
+ *  mesh->dim count. rounding and threads: as in planish_options. values (may be NULL) are filled.
+ *  With mesh->reference AR compares elements with their shapes there, of order 2 by their corners.
+ *  Every corner must be positive there, and all other measures are as without reference. With
+ *  mesh->metric AR measures lengths by the metric. On failure quality is as before, and values are unspecified. Errors:
  *  _ARGUMENT, _MESH, _MEMORY, _PARTS (mesh->part). */
 PLANISH_API int planish_measure_cells(const planish_mesh *mesh, double rounding, int threads,
                                       planish_cell_quality *quality,
@@ -1281,8 +1282,10 @@ typedef struct planish_result {
  *    inverted elements stays valid. Without untangling no valid element becomes inverted. Untangling
  *    may invert others, but repairs more.
  *  - In a mesh without inverted elements no element gets a worse RR (AR) than the worst element with
- *    a movable node had. With RR alone as objective, none gets a smaller angle (dihedral in 3-D); in
- *    a mixed mesh no corner gets a smaller scaled Jacobian. Minimum volumes may break these promises.
+ *    a movable node had. With options.size_weight above 0 this AR counts sizes; that of shapes alone
+ *    may get worse. With RR alone as objective, none gets a smaller angle (dihedral in 3-D); in a
+ *    mixed mesh no corner gets a smaller scaled Jacobian, unless targets may have sharp ones
+ *    (docs/targets.md). Minimum volumes may break these promises.
  *  - F never rises once no element is inverted or below its minimum volume. Only options.worst may
  *    raise F, by at most worst_rise of the value that F had converged to.
  *  - The bits are the same for any number of threads, isa and compiler (gcc and clang are tested).

@@ -11,16 +11,23 @@
 #include "base/status.h"
 #include "topology/topology.h"
 
-#include <string.h>
+#include <stdlib.h>
 
 /* A piece lies in another one if so many of its facets do, which are spread over it. */
 enum { SAMPLES = 3, CHUNK = 16 /* pieces */ };
 
-/** What rays from a piece found of another one. */
-typedef struct meeting {
-    int32_t asked;           /* the piece plus 1; another one: nothing is found yet */
-    int32_t around[SAMPLES]; /* how often the other piece goes around each sample */
-} meeting;
+/** A ray passes a facet of another piece. */
+typedef struct passing {
+    int32_t piece;
+    int16_t sample; /* of the ray */
+    int16_t turn;   /* 1 or -1: out of the other piece, or into it */
+} passing;
+
+/** Passings, owned. */
+typedef struct passings {
+    passing *item;
+    int64_t n, capacity;
+} passings;
 
 /** A search for hollows. */
 typedef struct hollows {
@@ -28,8 +35,8 @@ typedef struct hollows {
     const pl_tree *tree;
     pl_fit_pieces *pieces;
     pl_incidence facets; /* of the pieces */
-    meeting **meeting;   /* [threads][pieces] */
-    int32_t **met;       /* [threads][pieces] those that rays from a piece meet */
+    passings *passings;  /* [threads] of the rays from a piece */
+    int failed;          /* there is no memory; shared by threads */
 } hollows;
 
 /** Rays from a piece, along x. */
@@ -38,8 +45,8 @@ typedef struct rays {
     int32_t piece;
     int sample;
     double from[3];
-    meeting *meeting;
-    int32_t n_met, *met;
+    passings *passings;
+    int failed; /* there is no memory */
 } rays;
 
 /** The piece of a facet, as pl_nodes_of_fn. */
@@ -90,14 +97,11 @@ static int meet(void *context, int32_t facet) {
     if (other < 0 || !pieces->is_closed[other] ||
         !is_box_in(&pieces->box[r->piece], &pieces->box[other]))
         return 0;
-    meeting *m = &r->meeting[other];
     const int turn = passes_facet(h->shape, facet, r->from);
-    if (turn && m->asked != r->piece + 1) {
-        *m = (meeting){.asked = r->piece + 1};
-        r->met[r->n_met++] = other;
-    }
-    if (turn)
-        m->around[r->sample] += turn;
+    const passing one = {other, (int16_t)r->sample, (int16_t)turn};
+    passings *all = r->passings;
+    if (turn && !pl_append(&all->item, &all->n, &all->capacity, &one, sizeof one))
+        r->failed = 1;
     return 0;
 }
 
@@ -117,15 +121,27 @@ static void send_rays(rays *r) {
     }
 }
 
+/** Order passings by pieces, for qsort. */
+static int compare(const void *a, const void *b) {
+    const int32_t p = ((const passing *)a)->piece, q = ((const passing *)b)->piece;
+    return (p > q) - (p < q);
+}
+
 /** Return how many pieces the piece of rays lies in. *nest: the widest one of these; -1: there is none. */
 static int count_around(const rays *r, int32_t *nest) {
+    const passings *all = r->passings;
     double widest = 0;
     int n = 0;
     *nest = -1;
-    for (int32_t k = 0; k < r->n_met; k++) {
-        const int32_t other = r->met[k], *around = r->meeting[other].around;
+    if (all->n > 0)
+        qsort(all->item, (size_t)all->n, sizeof *all->item, compare);
+    for (int64_t k = 0; k < all->n;) {
+        const int32_t other = all->item[k].piece;
         const pl_box3 *box = &r->hollows->pieces->box[other];
         const double width = box->upper[0] - box->lower[0];
+        int64_t around[SAMPLES] = {0}; /* how often the other piece goes around each sample */
+        for (; k < all->n && all->item[k].piece == other; k++)
+            around[all->item[k].sample] += all->item[k].turn;
         if (!around[0] || !around[1] || !around[2])
             continue;
         *nest = width > widest ? other : *nest;
@@ -137,12 +153,15 @@ static int count_around(const rays *r, int32_t *nest) {
 
 /** Find the nests of the pieces of a stretch, and turn those that are in an odd number of others. */
 static void turn_hollows(void *context, int64_t begin, int64_t end, int thread) {
-    const hollows *h = context;
+    hollows *h = context;
     pl_fit_pieces *pieces = h->pieces;
     for (int32_t i = (int32_t)begin; i < end; i++) {
-        rays r = {.hollows = h, .piece = i, .meeting = h->meeting[thread], .met = h->met[thread]};
+        rays r = {.hollows = h, .piece = i, .passings = &h->passings[thread]};
+        r.passings->n = 0;
         if (pieces->is_closed[i])
             send_rays(&r);
+        if (r.failed)
+            __atomic_store_n(&h->failed, 1, __ATOMIC_RELAXED);
         if (count_around(&r, &pieces->nest[i]) % 2)
             pieces->turn[i] = (int8_t)-pieces->turn[i];
     }
@@ -157,27 +176,10 @@ static void join_outermost(pl_fit_pieces *pieces) {
     }
 }
 
-/** Make room for the threads; 0: there is no memory. */
-static int make_room(hollows *h, int threads) {
-    const int64_t n = h->pieces->n;
-    h->meeting = pl_alloc_zero(threads, sizeof *h->meeting);
-    h->met = pl_alloc_zero(threads, sizeof *h->met);
-    int have = h->meeting && h->met;
-    for (int i = 0; i < threads && have; i++) {
-        h->meeting[i] = pl_alloc_zero(n, sizeof **h->meeting);
-        h->met[i] = pl_alloc(n, sizeof **h->met);
-        have = h->meeting[i] && h->met[i];
-    }
-    return have;
-}
-
 static void free_room(hollows *h, int threads) {
-    for (int i = 0; i < threads; i++) {
-        pl_free(h->meeting ? h->meeting[i] : NULL);
-        pl_free(h->met ? h->met[i] : NULL);
-    }
-    pl_free(h->meeting);
-    pl_free(h->met);
+    for (int i = 0; h->passings && i < threads; i++)
+        pl_free(h->passings[i].item);
+    pl_free(h->passings);
     pl_incidence_destroy(&h->facets);
 }
 
@@ -185,12 +187,13 @@ int pl_fit_turn_hollows(const planish_shape *shape, const pl_tree *facets, int t
                         pl_fit_pieces *pieces, planish_error *error) {
     hollows h = {.shape = shape, .tree = facets, .pieces = pieces};
     pieces->nest = pl_alloc(pieces->n, sizeof *pieces->nest);
-    const int have = pieces->nest && make_room(&h, threads) &&
+    h.passings = pl_alloc_zero(threads, sizeof *h.passings);
+    const int have = pieces->nest && h.passings &&
                      pl_items_of_nodes(pieces->n, shape->n_facets, piece_of, pieces, 1, &h.facets);
     if (have) {
         pl_parallel_for(threads, pieces->n, CHUNK, turn_hollows, &h);
         join_outermost(pieces);
     }
     free_room(&h, threads);
-    return have ? PLANISH_OK : pl_fail_memory(error, "the pieces of a surface");
+    return have && !h.failed ? PLANISH_OK : pl_fail_memory(error, "the pieces of a surface");
 }

@@ -7,6 +7,7 @@
 #include "geometry/cube_root.h"
 #include "geometry/target.h"
 #include "quality/certificate.h"
+#include "quality/curved.h"
 #include "quality/measure_block.h"
 
 #include <math.h>
@@ -16,9 +17,6 @@ enum {
     LANES = PL_JACOBIAN_LANES,
     CHUNK = 1024 /* elements that one thread takes at a time */
 };
-
-/* An element is straight if its nodes are no farther off than this, in longest edges. */
-static const double STRAIGHT = 1e-6;
 
 /* Elements in this range are measured as they are, others scaled by a power of two. */
 static const double SMALL = 0x1p-40, LARGE = 0x1p40;
@@ -41,7 +39,7 @@ typedef struct cell_block {
     pack sign;
     pl_jacobian_block jacobian;
     int exponent[LANES]; /* places are multiplied by 2^-exponent */
-    pack longest;        /* square of the longest edge, so scaled */
+    pl_bends bends;      /* of elements of order 2 */
     pack edge_ratio;
     pack is_certain;      /* 1: the signs of all corners are right; 0: look at them one by one */
     pack square;          /* AR^2, if no corner is inverted */
@@ -156,41 +154,7 @@ PL_INLINE void measure_edges(cell_block *b, const int dim) {
         }
     }
     for (int l = 0; l < LANES; l++) {
-        b->longest[l] = longest[l];
         b->edge_ratio[l] = sqrt(longest[l] / shortest[l]);
-    }
-}
-
-/** Find the elements with a node that is off the middle of its corners. */
-PL_INLINE void find_curved(const pl_cell_mesh *mesh, cell_block *b, const int dim) {
-    const pl_cell_shape *shape = b->rule->type->shape;
-    pack largest = {0}; /* square of the distance */
-    for (int i = shape->n_corners; i < b->rule->n_nodes; i++) {
-        double middle[3][LANES] = {{0}};
-        int n = 0;
-        for (int c = 0; c < shape->n_corners; c++) {
-            if (!(b->rule->straight[i] >> c & 1))
-                continue;
-            n++;
-            for (int d = 0; d < dim; d++)
-                for (int l = 0; l < LANES; l++)
-                    middle[d][l] += b->jacobian.x[c][d][l];
-        }
-        const double share = 1.0 / n; /* of a power of two */
-        double place[3][LANES];
-        memcpy(place, b->jacobian.x[i], sizeof place);
-        for (int l = 0; l < LANES; l++) {
-            const double x = place[0][l] - middle[0][l] * share;
-            const double y = place[1][l] - middle[1][l] * share;
-            const double z = dim == 3 ? place[2][l] - middle[2][l] * share : 0;
-            const double square = dim == 3 ? x * x + y * y + z * z : x * x + y * y;
-            largest[l] = pl_larger(square, largest[l]);
-        }
-    }
-    for (int l = 0; l < LANES; l++) {
-        const double rounding = ldexp(mesh->rounding, -b->exponent[l]);
-        const double limit = pl_larger(STRAIGHT * sqrt(b->longest[l]), rounding);
-        b->is_curved[l] = largest[l] > limit * limit ? 1 : 0;
     }
 }
 
@@ -347,10 +311,8 @@ PL_INLINE void evaluate(const pl_cell_mesh *mesh, cell_block *b, const int dim) 
     gather(mesh, b, dim);
     measure_edges(b, dim);
     measure_corners(b, dim);
-    for (int l = 0; l < LANES; l++)
-        b->is_curved[l] = 0;
     if (b->rule->n_control_terms > 0)
-        find_curved(mesh, b, dim);
+        pl_find_bends(b->rule, &b->jacobian, &b->bends, dim);
 }
 
 PL_INLINE void inline_block(const pl_cell_mesh *mesh, cell_block *b) {
@@ -430,11 +392,18 @@ static void give_none(const planish_cell_values *v, int64_t i) {
             measure[k][i] = 0;
 }
 
-static void add_lane(measurement *m, const cell_block *b, int l, type_sums *sums) {
+static int is_lane_curved(const measurement *m, const cell_block *b, int l, pl_validity validity) {
+    return b->rule->n_control_terms > 0 &&
+           pl_is_curved(&b->bends, &b->jacobian, l, ldexp(m->mesh->rounding, -b->exponent[l]),
+                        validity == PL_VALID);
+}
+
+static void add_lane(measurement *m, cell_block *b, int l, type_sums *sums) {
     planish_cell_measures *of = &sums->of;
     const int64_t element = b->element[l];
     const pl_validity validity =
         pl_validity_of_lane(b->rule, &b->jacobian, l, b->node[l], m->mesh->coordinates, b->sign[l]);
+    b->is_curved[l] = is_lane_curved(m, b, l, validity);
     const int has_ratio = validity == PL_VALID && b->n_inverted_corners[l] == 0;
     const double ratio = has_ratio ? sqrt(b->square[l]) : 0;
     if (validity == PL_OUT_OF_MEMORY)

@@ -47,6 +47,17 @@ static int take_sizes(int64_t n, const double *given, double *size, extremes *e,
     return PLANISH_OK;
 }
 
+/** Say why a node's metric has no sizes. */
+static int complain_metric(int count, int64_t node, const double *metric, planish_error *error) {
+    int is_finite = 1;
+    for (int k = 0; k < count; k++)
+        is_finite &= isfinite(metric[k]) != 0;
+    return pl_fail_at(error, PLANISH_ERROR_MESH, -1, node, "the metric of node %" PRId64 " %s",
+                      node,
+                      is_finite ? "is not positive definite; give such matrices"
+                                : "has an entry that is not finite; give finite numbers");
+}
+
 /** Take the sizes of metrics. */
 static int take_metrics(int dim, int64_t n, const double *metric, double *size, extremes *e,
                         planish_error *error) {
@@ -54,10 +65,7 @@ static int take_metrics(int dim, int64_t n, const double *metric, double *size, 
     for (int64_t i = 0; i < n; i++) {
         double least = 0, most = 0;
         if (!pl_metric_sizes(dim, metric + i * count, size + i * count, &least, &most))
-            return pl_fail_at(error, PLANISH_ERROR_MESH, -1, i,
-                              "the metric of node %" PRId64 " is not positive definite and finite; "
-                              "give such matrices",
-                              i);
+            return complain_metric(count, i, metric + i * count, error);
         widen(e, i, least, most);
     }
     return PLANISH_OK;

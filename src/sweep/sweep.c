@@ -382,8 +382,11 @@ void pl_follow(const planish_plan *plan, const pl_star_problem *problem) {
     for (int64_t k = 0; k < plan->sliding.n_followers; k++) {
         const pl_follower *f = &plan->sliding.follower[k];
         follow(plan, &problem->storage, k);
-        if (plan->scratch.watch && plan->scratch.watch->has_large)
-            plan->scratch.watch->has_large[f->of] |= plan->scratch.watch->has_large[f->node];
+        uint8_t *has_large = plan->scratch.watch ? plan->scratch.watch->has_large : NULL;
+        if (has_large) { /* the node that it follows is asked, and cleared once there is none */
+            has_large[f->of] |= has_large[f->node];
+            has_large[f->node] = 0;
+        }
         uint8_t *changed = &plan->scratch.changed[f->of];
         *changed |= plan->scratch.changed[f->node];
         if (plan->scratch.changed[f->node] & PL_CHANGED)

@@ -280,10 +280,22 @@ static void decide_bricks(decision *s) {
         add_to_block(s, s->bricks.of[left[k]], s->of_brick[left[k]]);
 }
 
-static void add_to_bricks(decision *s, int32_t i, int move) {
+/** A place near a cell, from which floats are precise: that of the node that moves; the cell's own where
+ *  nodes follow, as cells of these may be a period away. */
+static const double *origin_of(const decision *s, int32_t i, int move) {
     const pl_watch *w = s->watch;
+    const planish_plan *plan = w->plan;
+    int32_t corner[PL_CELL_CORNERS], node = s->move[move].node;
+    if (w->follower.offset) {
+        pl_plan_cell_corners(plan, pl_watch_cell(w, i), corner);
+        node = plan->inner[corner[0]];
+    }
+    return plan->scratch.coordinates + (int64_t)node * plan->dim;
+}
+
+static void add_to_bricks(decision *s, int32_t i, int move) {
     s->of_brick[s->bricks.n] = move;
-    add_brick(w, i, w->plan->scratch.coordinates + (int64_t)s->move[move].node * 3, &s->bricks);
+    add_brick(s->watch, i, origin_of(s, i, move), &s->bricks);
     if (s->bricks.n == LANES)
         decide_bricks(s);
 }
@@ -297,10 +309,8 @@ static void decide_floats(decision *s) {
 }
 
 static void add_to_floats(decision *s, int32_t i, int move) {
-    const pl_watch *w = s->watch;
     s->of_floats[s->floats.n] = move;
-    add_floats(w, i, w->plan->scratch.coordinates + (int64_t)s->move[move].node * w->plan->dim,
-               &s->floats);
+    add_floats(s->watch, i, origin_of(s, i, move), &s->floats);
     if (s->floats.n == LANES)
         decide_floats(s);
 }

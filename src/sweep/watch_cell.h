@@ -9,10 +9,8 @@
 #ifndef PL_SWEEP_WATCH_CELL_H
 #define PL_SWEEP_WATCH_CELL_H
 
+#include "quality/curved.h"
 #include "sweep/watch.h"
-
-/* An edge is straight if its mid is no farther off than this, in longest edges (cell_measure.c). */
-static const double PL_STRAIGHT = 1e-6;
 
 /** Cells of one type whose validity is asked for, one per lane. */
 typedef struct pl_watch_block {

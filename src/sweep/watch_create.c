@@ -22,7 +22,7 @@ typedef struct search {
     pl_watch *watch;
     const planish_options *options;
     double min_volume; /* of cells without their own */
-    uint8_t *is_off;   /* [nodes of the mesh] nodes that are off the middle of their corners */
+    uint8_t *is_off;   /* [nodes of the mesh] nodes that may be off the middle of their corners */
     int32_t *
         leader; /* [n_nodes] by inner numbers: the node that each follows, -1: none; NULL: none does */
     uint8_t has_type[PL_WATCH_TYPES]; /* shared, as are these: */
@@ -32,40 +32,22 @@ typedef struct search {
     int fills;      /* lists: count, or fill in */
 } search;
 
-/** Find by how much a node is off the middle of its n parents, and the longest distance of two of
- *  these: squares. */
-PL_INLINE void measure_mid(const pl_mids *mids, int32_t node, const double *const parent[], int n,
-                           double *off, double *edge, const int dim) {
-    double middle[3];
-    *off = *edge = 0;
+/** Whether a node may be off the middle of an edge by more than a part of an element's longest edge: by half as much of
+ *  this edge. Differences are rounded once. */
+static int may_be_off(const pl_mids *mids, int32_t node, const double *from, const double *to) {
+    const double part = 0.5 * PL_STRAIGHT;
+    const int dim = mids->start.dim;
+    double off = 0, edge = 0;
     for (int d = 0; d < dim; d++) {
-        middle[d] = 0;
-        for (int k = 0; k < n; k++)
-            middle[d] += parent[k][d] / n;
-        const double x = pl_mid_coordinate(mids, node, d, 0) - middle[d];
-        *off += x * x;
-        *edge += (parent[1][d] - parent[0][d]) * (parent[1][d] - parent[0][d]);
+        const double way = to[d] - from[d];
+        const double x = pl_mid_coordinate(mids, node, d, 0) - from[d] - 0.5 * way;
+        off += x * x;
+        edge += way * way;
     }
+    return off > part * part * edge;
 }
 
-static int is_off(double off, double longest) {
-    return off > PL_STRAIGHT * PL_STRAIGHT * longest;
-}
-
-/* Of a cell that is as good as straight, the least coefficient of det J over their mean. */
-static const double LEAST_OF_STRAIGHT = 0.5;
-
-/** Whether a cell of order 2 is as good as straight with its nodes as they were given: far from invalid. */
-static int is_nearly_straight(const pl_watch *w, const pl_cell_type *type, int64_t cell) {
-    pl_watch_block b;
-    b.n = 0;
-    pl_watch_take(w, w->rule[type->type], cell, 2, &b);
-    pl_watch_evaluate(w, &b);
-    return b.jacobian.least[0] > LEAST_OF_STRAIGHT * b.jacobian.mean[0] &&
-           pl_watch_is_lane_valid(&b, 0);
-}
-
-/** Find the nodes that are off by more than a part of their own edge. */
+/** Find the nodes that may be off, and the lowest that is not finite. */
 static void mids_chunk(void *context, int64_t begin, int64_t end, int thread) {
     search *s = context;
     const pl_mids *m = &s->watch->mids;
@@ -74,18 +56,14 @@ static void mids_chunk(void *context, int64_t begin, int64_t end, int thread) {
     double largest = 0;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
-        double off = 0, edge = 0;
         s->is_off[i] = 0;
         if (m->end[i][0] == PL_NO_MID)
             continue;
-        if (m->end[i][0] >= 0) {
-            const double *ends[] = {m->given + (int64_t)m->end[i][0] * dim,
-                                    m->given + (int64_t)m->end[i][1] * dim};
-            measure_mid(m, (int32_t)i, ends, 2, &off, &edge, dim);
-        }
         /* Of a node with several parents any may be noted: its cells decide each by its own. */
         s->is_off[i] =
-            is_off(off, edge) || m->end[i][0] == PL_OF_MORE || m->plan->role[i] & PL_OF_EDGES;
+            m->end[i][0] == PL_OF_MORE || m->plan->role[i] & PL_OF_EDGES ||
+            (m->end[i][0] >= 0 && may_be_off(m, (int32_t)i, m->given + (int64_t)m->end[i][0] * dim,
+                                             m->given + (int64_t)m->end[i][1] * dim));
         for (int d = 0; d < dim; d++) {
             const double x = pl_mid_coordinate(m, (int32_t)i, d, 0);
             largest = pl_larger(fabs(x), largest);
@@ -97,39 +75,43 @@ static void mids_chunk(void *context, int64_t begin, int64_t end, int thread) {
     pl_lower_to(&s->lowest, lowest);
 }
 
-/** Whether a node of the cell is off by more than a part of its longest edge, and by more than rounding; or by
- *  less, but so that the cell is not valid or may become so. */
+/** Put the missing mids of the cell in lane 0 in the middle, where bends find them. */
+static void fill_missing(const pl_cell_type *type, int dim, pl_watch_block *b) {
+    double(*const x)[3][PL_JACOBIAN_LANES] = b->jacobian.x;
+    for (int i = type->shape->n_corners; i < type->n_nodes; i++)
+        for (int d = 0; d < dim && b->node[0][i] < 0; d++)
+            x[i][d][0] = 0.5 * (x[type->between[i][0]][d][0] + x[type->between[i][1]][d][0]);
+}
+
+/** Whether a cell of order 2 is curved with its nodes as they were given. */
+static int is_curved_as_given(const pl_watch *w, const pl_cell_type *type, int64_t cell) {
+    const int dim = w->plan->dim;
+    pl_watch_block b;
+    pl_bends bends;
+    b.n = 0;
+    memset(b.jacobian.x, 0, sizeof b.jacobian.x);
+    pl_watch_take(w, w->rule[type->type], cell, 2, &b);
+    fill_missing(type, dim, &b);
+    if (dim == 3)
+        pl_find_bends(&b.rule->jacobian, &b.jacobian, &bends, 3);
+    else
+        pl_find_bends(&b.rule->jacobian, &b.jacobian, &bends, 2);
+    const double rounding = ldexp(w->rounding, -b.exponent[0]);
+    if (!pl_is_bent(&bends, 0, 0) || pl_is_bent(&bends, 0, rounding))
+        return pl_is_bent(&bends, 0, 0);
+    pl_watch_evaluate(w, &b);
+    return pl_is_curved(&bends, &b.jacobian, 0, rounding, pl_watch_is_lane_valid(&b, 0));
+}
+
+/** Whether a cell is curved. Most have no node that may be off. */
 static int is_cell_curved(const search *s, int64_t cell) {
-    const pl_watch *w = s->watch;
-    const planish_plan *plan = w->plan;
-    const int dim = plan->dim;
+    const planish_plan *plan = s->watch->plan;
     const pl_cell_type *type = pl_plan_cell_type(plan, cell);
-    double longest = 0, farthest = 0;
-    int32_t corner[PL_CELL_CORNERS];
-    int any = 0;
-    const int n_corners = type->order > 1 ? pl_plan_cell_corners(plan, cell, corner) : 0;
-    const int32_t *given = plan->cells.node + plan->cells.offset[pl_plan_given_cell(plan, cell)];
-    for (int i = n_corners; i < type->n_nodes && type->order > 1; i++)
-        any |= given[i] >= 0 && s->is_off[given[i]];
-    for (int i = n_corners; any && i < type->n_nodes; i++) {
-        const double *parent[PL_CELL_CORNERS];
-        double off, edge;
-        int n = 0;
-        const uint8_t parents = pl_cell_parents(type, i);
-        const int p = type->between[i][0], q = type->between[i][1];
-        parent[n++] = w->mids.given + (int64_t)corner[p] * dim;
-        parent[n++] = w->mids.given + (int64_t)corner[q] * dim;
-        for (int c = 0; c < n_corners; c++)
-            if (parents >> c & 1 && c != p && c != q)
-                parent[n++] = w->mids.given + (int64_t)corner[c] * dim;
-        measure_mid(&w->mids, given[i] >= 0 ? given[i] : 0, parent, n, &off, &edge, dim);
-        if (n == 2)
-            longest = pl_larger(edge, longest);
-        if (given[i] >= 0)
-            farthest = pl_larger(off, farthest);
-    }
-    return any && is_off(farthest, longest) &&
-           (farthest > w->rounding * w->rounding || !is_nearly_straight(w, type, cell));
+    const int32_t *node = plan->cells.node + plan->cells.offset[pl_plan_given_cell(plan, cell)];
+    int may_be = 0;
+    for (int i = type->shape->n_corners; i < type->n_nodes && type->order > 1; i++)
+        may_be |= node[i] >= 0 && s->is_off[node[i]];
+    return may_be && is_curved_as_given(s->watch, type, cell);
 }
 
 /** The type whose rule decides a cell during sweeps; 0: its corners do. */

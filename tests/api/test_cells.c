@@ -511,6 +511,37 @@ static void nodes_off_the_middle_make_an_element_curved(void **state) {
     }
 }
 
+/** Where nodes that are off by less than rounding invert an element, it is curved all the same. */
+static void rounding_hides_no_inverted_element(void **state) {
+    (void)state;
+    uint64_t random = 1;
+    for (int k = 0; k < LOOSE_TYPES; k++) {
+        const pl_cell_type *of = pl_cell_type_of(loose_types[k]);
+        if (of->order == 1 || of->shape->n_simplices != 1)
+            continue;
+        loose_cells m = loose_cells_create(of->shape->dim);
+        loose_cells_add(&m, loose_types[k], 0, 0, 1, &random);
+        const planish_mesh mesh = loose_cells_mesh(&m);
+        for (int is_far = 0; is_far < 2; is_far++) {
+            double ratio, *mid = &m.x[of->shape->n_corners * m.dim];
+            uint8_t is_curved;
+            const planish_cell_values values = {.is_curved = &is_curved, .jacobian_ratio = &ratio};
+            planish_cell_quality q;
+            for (int d = 0; d < m.dim; d++) /* along its edge */
+                mid[d] = 0.5 * (m.x[d] + m.x[m.dim + d]) +
+                         (is_far ? 0.4 : 0.02) * (m.x[m.dim + d] - m.x[d]);
+            assert_int_equal(planish_measure_cells(&mesh, 10, 1, &q, &values, NULL), PLANISH_OK);
+            assert_int_equal(q.all.n_inverted, is_far);
+            assert_int_equal(q.all.n_inverted_corners, 0);
+            assert_int_equal(q.all.n_curved, is_far);
+            assert_int_equal(is_curved, is_far);
+            assert_true(is_far ? ratio < 0 : ratio == 1);
+            assert_true(q.all.min_jacobian_ratio == ratio);
+        }
+        loose_cells_destroy(&m);
+    }
+}
+
 /** The straight edges at a corner turn the wrong way, the curved ones do not. */
 static void curved_edges_can_make_an_inverted_corner_valid(void **state) {
     (void)state;
@@ -657,6 +688,7 @@ int main(void) {
         cmocka_unit_test(other_dimensions_do_not_count),
         cmocka_unit_test(size_and_place_do_not_matter),
         cmocka_unit_test(nodes_off_the_middle_make_an_element_curved),
+        cmocka_unit_test(rounding_hides_no_inverted_element),
         cmocka_unit_test(curved_edges_can_make_an_inverted_corner_valid),
         cmocka_unit_test(touching_zero_is_not_valid),
         cmocka_unit_test(wrong_arguments_are_refused),

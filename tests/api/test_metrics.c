@@ -237,7 +237,8 @@ static void wrong_metrics_are_refused(void **state) {
     } cases[] = {{0, 0, "the metric of node 5 is not positive definite"},
                  {-1, 0, "the metric of node 5 is not positive definite"},
                  {1, 1, "the metric of node 5 is not positive definite"},
-                 {NAN, 0, "the metric of node 5 is not positive definite"},
+                 {NAN, 0, "the metric of node 5 has an entry that is not finite"},
+                 {1, INFINITY, "the metric of node 5 has an entry that is not finite"},
                  {1e26, 0, "vary by more than"},
                  {1e-26, 0, "vary by more than"}};
     metric_box m = metric_box_of(BOX_QUADRILATERALS, 4, 0);

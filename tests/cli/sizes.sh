@@ -180,6 +180,8 @@ expect_status 0 "$program" smooth quads.vtk --size h -o a.vtk --json report.json
 expect_status 0 "$program" report report.json -o later.html
 cmp -s page.html later.html || fail "the page of a result is that of its run"
 grep -qF 'should have the sizes in <code>h</code>' page.html || fail "the page says the sizes"
+! grep -q "does not hold" page.html && grep -q "worst aspect ratio with sizes of elements" page.html ||
+    fail "the page claims nothing that does not hold"
 
 # as_later COMMAND ARGUMENT...: the page of a result is that of its run.
 as_later() {
@@ -214,11 +216,41 @@ expect_status 2 "$program" smooth quads.mesh --size-from hexes.sol -o wrong.mesh
 expect_one_line
 expect_status 2 "$program" smooth quads.mesh --size-from gone.sol -o wrong.mesh
 expect_one_line
-for metric in 0 -1 nan 1e-30; do
-    python3 make.py quads vtk $metric >wrong-in.vtk
+while read -r metric why; do
+    python3 make.py quads vtk "$metric" >wrong-in.vtk
     expect_status 2 "$program" smooth wrong-in.vtk --size m -o wrong.vtk
     expect_one_line
+    grep -q "$why" err || fail "$metric: $(cat err)"
     expect_no_file wrong.vtk
+done <<'END2'
+0 the metric at node 11 is not positive definite$
+-1 the metric at node 11 is not positive definite$
+1e291 the metric at node 11 has an entry that is not a number from -1e290 to 1e290$
+nan not finite, for node 11$
+1e-30 .
+END2
+awk '/^TENSORS/ { n = NR + 1 } NR == n { $2 += 1 } { print }' quads.vtk >wrong-in.vtk
+expect_status 2 "$program" smooth wrong-in.vtk --size m -o wrong.vtk
+grep -q "the metric at node 0 is not symmetric$" err || fail "the first metric: $(cat err)"
+# Metrics are relative, however small or large they are.
+for kind in quads hexes; do
+    for power in -996 930; do
+        python3 -c 'if True:
+            import sys
+            scaled = False
+            for line in sys.stdin:
+                print(*[repr(float(v) * 2.0 ** int(sys.argv[1])) for v in line.split()] if scaled else [line.rstrip()])
+                scaled = scaled or line.startswith("TENSORS")' $power <$kind.vtk >scaled.vtk
+        for file in $kind scaled; do
+            expect_status 0 "$program" smooth $file.vtk --size m --max-sweeps 3 -o a.vtk --json $file.json
+        done
+        python3 -c 'if True:
+            import json, sys
+            a, b = [json.load(open(name)) for name in sys.argv[1:]]
+            a["after"]["sizes"].pop("factor"), b["after"]["sizes"].pop("factor")
+            assert a["after"] == b["after"], "other metrics"' $kind.json scaled.json ||
+            fail "$kind: metrics times 2^$power"
+    done
 done
 expect_status 2 "$program" smooth quads.vtk --size h --size-weight 0 -o wrong.vtk
 expect_one_line

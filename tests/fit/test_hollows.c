@@ -2,6 +2,7 @@
 #include "fit/hollows.h"
 #include "fit/pieces.h"
 
+#include "base/context.h"
 #include "support/effort.h"
 #include "support/run.h"
 #include "support/sheets.h"
@@ -189,10 +190,60 @@ static void test_many(void **state) {
     shells_destroy(&s);
 }
 
+static void *count_bytes(size_t bytes, void *user) {
+    __atomic_fetch_add((int64_t *)user, (int64_t)bytes, __ATOMIC_RELAXED);
+    return malloc(bytes);
+}
+
+static void give_back(void *block, void *user) {
+    (void)user;
+    free(block);
+}
+
+/** Bytes that a search for the hollows of shells asks for. */
+static int64_t bytes_of(const shells *s, int threads) {
+    int64_t bytes = 0;
+    const planish_allocator allocator = {count_bytes, give_back, &bytes};
+    planish_options options;
+    planish_shape *shape;
+    pl_fit_pieces pieces;
+    double seconds[2];
+    planish_options_init(&options);
+    options.allocator = &allocator;
+    pl_context *context = pl_context_create(&options);
+    assert_non_null(context);
+    pl_context *before = pl_context_enter(context);
+    find(s, threads, &shape, &pieces, seconds);
+    expect_hollows(s, &pieces);
+    pl_fit_free_pieces(&pieces);
+    planish_shape_destroy(shape);
+    pl_context_enter(before);
+    pl_context_destroy(context);
+    return bytes;
+}
+
+/** Threads need no room for each piece. */
+static void test_bytes(void **state) {
+    (void)state;
+    enum { PORES = 10, THREADS = 64, BYTES = 64 /* of a piece, for all threads */ };
+    const double none[3] = {0, 0, 0};
+    shells s = shells_create();
+    add_shell(&s, 2, 1, none, 4 * PORES, 0, 0, -1);
+    for (int k = 0; k < PORES * PORES * PORES; k++) {
+        const double at[3] = {k % PORES - 4.5, k / PORES % PORES - 4.5, k / PORES / PORES - 4.5};
+        add_shell(&s, 1, 0, at, 0.25, k % 2, 1, 0);
+    }
+    const int64_t one = bytes_of(&s, 1), many = bytes_of(&s, THREADS);
+    assert_true(one > 0);
+    assert_true(many - one < BYTES * PORES * PORES * PORES);
+    shells_destroy(&s);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_nests),
         cmocka_unit_test(test_many),
+        cmocka_unit_test(test_bytes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -167,6 +167,23 @@ class Files(unittest.TestCase):
         with path.open("a") as file:
             file.write(f"{of}_DATA {len(values)}\n{kind} {name} double\n{table}{rows}\n")
 
+    def check_wrong_metrics(self, points, kinds):
+        """The first wrong metric is named; very small ones are right."""
+        tiny = 1e-300 * np.tile(np.eye(3), (len(points), 1, 1))
+        path = self.write("tiny.vtk", points, kinds)
+        self.write_data(path, "m", tiny)
+        planish.smooth(planish.read(path), size="m", max_sweeps=1)
+        for entries, text in (([[1, 0, 0], [0, 1, 1], [0, 1, 1]], "at node 7 is not positive definite"),
+                              ([[1, 2, 0], [2, 1, 0], [0, 0, 1]], "at node 7 is not positive definite"),
+                              ([[1, 0, 0], [0.1, 1, 0], [0, 0, 1]], "at node 7 is not symmetric"),
+                              ([[1, 0, 0], [0, 1e291, 0], [0, 0, 1]], "at node 7 has an entry that is not a number")):
+            wrong = tiny.copy()
+            wrong[7] = entries
+            path = self.write("wrong.vtk", points, kinds)
+            self.write_data(path, "m", wrong)
+            with self.assertRaisesRegex(ValueError, text):
+                planish.smooth(planish.read(path), size="m")
+
     @unittest.skipIf(not PROGRAM, "without the program")
     def test_sizes_of_files(self):
         points, cells, _ = box(3, amount=0.1)
@@ -180,6 +197,7 @@ class Files(unittest.TestCase):
         path = self.write("metric.vtk", points, kinds)
         self.write_data(path, "m", np.eye(3) * np.array([1, 1, 4.0]) * (1 + points[:, :1, None]))
         self.same_as_the_program(path, ["--size", "m", "--size-weight", "0"], size="m", size_weight=0)
+        self.check_wrong_metrics(points, kinds)
         self.write_sol(self.folder / "h.sol", 1 + points[:, 0])
         self.same_as_the_program(path, ["--size-from", self.folder / "h.sol"], size_from=self.folder / "h.sol")
         with self.assertRaisesRegex(ValueError, "no such array|has no array|there are|'x'"):

@@ -63,6 +63,14 @@ class Sizes(unittest.TestCase):
         sizes = planish.size_quality(points, cells, size=metrics, start=start)
         self.assertLess(sizes.rms_log, planish.size_quality(start, cells, size=metrics).rms_log)
 
+    def test_metrics_are_relative(self):
+        points, cells = squares()
+        metrics = np.tile(np.eye(2), (len(points), 1, 1))
+        metrics[:, 1, 1] = 1 + points[:, 0]
+        found = [planish.quality(points, cells, size=factor * metrics).cells.all.rms_aspect_ratio
+                 for factor in (1, 2.0 ** -996, 2.0 ** 1000)]
+        self.assertEqual(found, [found[0]] * 3)
+
     def test_own_sizes(self):
         points, cells = squares()
         np.testing.assert_allclose(planish.find_sizes(points, cells), 1 / SIDE, rtol=1e-12)
@@ -76,7 +84,9 @@ class Sizes(unittest.TestCase):
         matrices = np.tile(1e9 * np.eye(2), (len(sizes), 1, 1))
         matrices[3] = [[1, 0.5], [0, 1]]
         for wrong, text in ((sizes[1:], "size must have a number or a 2 x 2 matrix"), (0 * sizes, "has the size 0"),
-                            (matrices, "must have symmetric"), (0 * matrices, "metric of node 0 is not positive")):
+                            (matrices, "must have symmetric ones; that of node 3 is not"),
+                            (0 * matrices, "metric of node 0 is not positive definite; give"),
+                            (np.nan * matrices, "metric of node 0 has an entry that is not finite")):
             with self.assertRaisesRegex((ValueError, planish.Error), text):
                 planish.smooth(points, cells, size=wrong)
         with self.assertRaisesRegex(ValueError, "like or size, not both"):

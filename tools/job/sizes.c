@@ -11,6 +11,9 @@
 /* Sizes that differ by more are no sizes of one mesh, but of another unit or wrong. */
 #define MOST_RATIO 1e12
 
+/* Largest entry of a metric, so that no sum of metrics overflows. */
+#define MOST_ENTRY 1e290
+
 /** Sizes on their way from a file to the nodes of a mesh. */
 typedef struct sizing {
     const char *input, *name; /* the mesh's file; the file of the sizes, or the array */
@@ -158,13 +161,32 @@ static int is_symmetric(const sizing *s, int64_t i) {
     return n * n != s->data.n_components || off <= ROUNDING * most;
 }
 
-/** Whether the symmetric matrix m is positive definite: its leading minors are positive. */
+/** Whether the symmetric matrix m is positive definite: its pivots are positive. Quotients keep them in the
+ *  range of its entries, however small or large these are. */
 static int is_positive(int dim, const double *m) {
-    const double minor = m[0] * m[2] - m[1] * m[1];
-    const double det = dim == 2 ? 1
-                                : m[5] * minor - m[4] * (m[0] * m[4] - m[1] * m[3]) +
-                                      m[3] * (m[1] * m[4] - m[2] * m[3]);
-    return m[0] > 0 && minor > 0 && det > 0;
+    const double left = m[1] / m[0], second = m[2] - left * m[1];
+    if (dim == 2)
+        return m[0] > 0 && second > 0;
+    const double low = m[4] - left * m[3];
+    const double third = m[5] - m[3] / m[0] * m[3] - low / second * low;
+    return m[0] > 0 && second > 0 && third > 0;
+}
+
+/** Largest absolute entry of a metric; infinite where one is not finite. */
+static double largest_entry(int n, const double *m) {
+    double largest = 0;
+    for (int k = 0; k < n; k++)
+        largest = isfinite(m[k]) ? fmax(largest, fabs(m[k])) : INFINITY;
+    return largest;
+}
+
+/** Say what is wrong with the metric of value i. */
+static int complain_metric(const sizing *s, int64_t i, const char *what) {
+    const int of_elements = s->data.of_elements;
+    const int64_t number = of_elements ? planish_file_element_number(s->file, i)
+                                       : planish_file_node_number(s->file, i);
+    return pl_complain(PL_EXIT_FAILED, "%s: %s: the metric at %s %" PRId64 " %s", s->input, s->name,
+                       of_elements ? "element" : "node", number, what);
 }
 
 /** Take the metric of value i. */
@@ -175,14 +197,11 @@ static int take_metric(const sizing *s, const int8_t *place, int64_t i, double m
         m[k] = data->values[i * data->n_components + place[k]];
     if (!data->of_elements && !s->is_used[i])
         return 0;
-    if (is_symmetric(s, i) && is_positive(dim, m))
-        return 0;
-    const int64_t number = data->of_elements ? planish_file_element_number(s->file, i)
-                                             : planish_file_node_number(s->file, i);
-    return pl_complain(PL_EXIT_FAILED,
-                       "%s: %s: the metric at %s %" PRId64
-                       " is not symmetric and positive definite",
-                       s->input, s->name, data->of_elements ? "element" : "node", number);
+    if (!(largest_entry(dim * (dim + 1) / 2, m) <= MOST_ENTRY))
+        return complain_metric(s, i, "has an entry that is not a number from -1e290 to 1e290");
+    if (!is_symmetric(s, i))
+        return complain_metric(s, i, "is not symmetric");
+    return is_positive(dim, m) ? 0 : complain_metric(s, i, "is not positive definite");
 }
 
 /** Add a metric to the sum of a node, behind which the number of those stands. */

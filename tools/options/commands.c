@@ -20,10 +20,10 @@ static const pl_command_text command_table[] = {
      "the radius ratios, which are 1 for regular elements and larger for others.\n"
      "planish first repairs inverted elements. A valid mesh stays valid. By default\n"
      "the worst element with a movable node never gets worse, and the smallest angle\n"
-     "never gets smaller; minimum volumes and other objectives relax this. Mid-side\n"
-     "nodes of second-order elements follow their corners. The result has the same\n"
-     "bits on any number of threads. OUT differs from IN only in the coordinates of\n"
-     "moved nodes. Without -o, OUT must not exist yet; -o OUT replaces the file.",
+     "never gets smaller; sizes, minimum volumes and other objectives relax this.\n"
+     "Mid-side nodes of second-order elements follow their corners. The result has the\n"
+     "same bits on any number of threads. OUT differs from IN only in the coordinates\n"
+     "of moved nodes. Without -o, OUT must not exist yet; -o OUT replaces the file.",
      "0 done; 1 planish wrote a usable mesh, but some elements are inverted, reversed\n"
      "or below their minimum volume, nodes are off the surface of --onto, smoothing\n"
      "stopped early, or a report could not be written; 2 failed, planish wrote\n"

@@ -416,7 +416,8 @@ static const pl_option option_table[] = {
     {OBJECTIVE, 0, "size-weight", "W", SMOOTH | OPTIMISES, set_real, AT(library.size_weight), 0, 1,
      "must be a number from 0 to 1",
      "with --like or sizes: weigh sizes by W and shapes by\n"
-     "1 - W (default: 0 with --like, else 0.9)",
+     "1 - W (default: 0 with --like, else 0.9); above 0\n"
+     "shapes alone may get worse",
      NULL},
     {OBJECTIVE, 0, "area-weight", "MU2", SMOOTH | OPTIMISES, set_real, AT(library.area_weight), 0,
      1, "must be a number from 0 to 1",

@@ -298,6 +298,23 @@ void pl_page_put_surface(pl_markup *page, const pl_figures *figures) {
     pl_markup_put(page, "</section>\n");
 }
 
+/** Put what is not worse than before of elements of every type. With weights of sizes ratios count these. */
+static void put_claims_of_types(pl_markup *page, const pl_figures *figures) {
+    const cJSON *objective = cJSON_GetObjectItemCaseSensitive(figures->result, "objective");
+    const int has_sizes = pl_figure(objective, "size_weight") > 0;
+    put_claim(page, figures,
+              has_sizes ? "worst aspect ratio with sizes of elements with a movable node"
+                        : "worst aspect ratio of elements with a movable node",
+              "max_aspect_ratio_movable", 1);
+    if (!figures->has_targets)
+        put_claim(page, figures, "least scaled Jacobian", "min_scaled_jacobian", 0);
+    if (has_sizes)
+        put_claim(page, figures, "RMS aspect ratio with sizes of elements with a movable node",
+                  "rms_aspect_ratio_movable", 1);
+    else
+        put_claim(page, figures, "RMS aspect ratio", "rms_aspect_ratio", 1);
+}
+
 /** Put what is not worse than before. */
 static void put_claims(pl_markup *page, const pl_figures *figures) {
     pl_markup_put(
@@ -311,13 +328,8 @@ static void put_claims(pl_markup *page, const pl_figures *figures) {
     put_claim(page, figures, "smallest angle of elements with a movable node",
               "min_dihedral_movable_deg", 0);
     put_claim(page, figures, "RMS radius ratio", "rms_radius_ratio", 1);
-    if (figures->has_types) { /* these have no radius ratios and angles */
-        put_claim(page, figures, "worst aspect ratio of elements with a movable node",
-                  "max_aspect_ratio_movable", 1);
-        if (!figures->has_targets)
-            put_claim(page, figures, "least scaled Jacobian", "min_scaled_jacobian", 0);
-        put_claim(page, figures, "RMS aspect ratio", "rms_aspect_ratio", 1);
-    }
+    if (figures->has_types) /* these have no radius ratios and angles */
+        put_claims_of_types(page, figures);
     pl_markup_put(page, "</tbody></table></div>\n<p class=\"quiet\">%s</p>\n",
                   strcmp(pl_figure_text(figures->result, "method"), "planish") == 0
                       ? "For a valid mesh and the default objective planish promises all of these. "

@@ -11,6 +11,7 @@ from ._arrays import Array
 from ._elements import Layout
 
 _MOST_RATIO = 1e12  # sizes that differ by more are no sizes of one mesh
+_MOST_ENTRY = 1e290  # of a metric, so that no sum of metrics overflows
 _ROUNDING = 1e-6  # of the largest entry, by which symmetric matrices may be unsymmetric
 
 
@@ -62,14 +63,30 @@ def sizes_at_nodes(values: Array, layout: Layout, of_elements: bool, n: int) -> 
     return size
 
 
-def _matrices(values: Array, dim: int, is_solution: bool) -> NDArray[np.float64]:
+def _refuse_metrics(is_wrong: Array, what: str, why: str) -> None:
+    wrong = np.flatnonzero(is_wrong)
+    if len(wrong):
+        raise ValueError(f"the metric at {what} {wrong[0]} {why}")
+
+
+def _are_positive(matrices: Array) -> Array:
+    """Return whether matrices [n, dim, dim] are positive definite: their pivots are positive."""
+    rest, least = matrices.copy(), np.full(len(matrices), np.inf)
+    with np.errstate(all="ignore"):  # quotients keep pivots in the range of the entries, however small these are
+        while rest.shape[1]:
+            pivot, column = rest[:, 0, 0], rest[:, 1:, 0]
+            least = np.where(pivot > 0, least, -1)
+            rest = rest[:, 1:, 1:] - (column / pivot[:, None])[:, :, None] * column[:, None, :]
+    return least > 0
+
+
+def _matrices(values: Array, dim: int, is_solution: bool, is_used: Array, what: str) -> NDArray[np.float64]:
     """Return symmetric matrices [.., dim, dim]. A row of values is a lower triangle or a matrix, by its length."""
     width = values.shape[1]
     if width in (4, 9) and width in (dim * dim, 9):
         full = values.reshape(-1, math.isqrt(width), math.isqrt(width))[:, :dim, :dim]
         off = np.abs(full - full.transpose(0, 2, 1)).max(axis=(1, 2))
-        if (off > _ROUNDING * np.abs(values).max(axis=1)).any():
-            raise ValueError("a metric is not symmetric and positive definite")
+        _refuse_metrics(is_used & (off > _ROUNDING * np.abs(values).max(axis=1)), what, "is not symmetric")
         made: NDArray[np.float64] = np.tril(full) + np.tril(full, -1).transpose(0, 2, 1)
         return made
     if width != 6 and not (width == 3 and dim == 2 and is_solution):
@@ -86,11 +103,16 @@ def metrics_at_nodes(values: Array, layout: Layout, of_elements: bool, n: int, d
     """Return metrics at the nodes [n, dim, dim].
 
     Metrics of elements become their mean at each node. A node in no element gets the mean of the others.
+    Raise ValueError for the first metric that is not symmetric and positive definite, or has too large an entry.
     """
-    matrices = _matrices(values, dim, is_solution)
     nodes, owners = _owners(layout)
     count = np.bincount(nodes, minlength=n)
     is_used = count > 0
+    what, counts = ("element", np.full(len(values), True)) if of_elements else ("node", is_used)
+    matrices = _matrices(values, dim, is_solution, counts, what)
+    _refuse_metrics(counts & ~(np.abs(matrices).max(axis=(1, 2)) <= _MOST_ENTRY), what,
+                    f"has an entry that is not a number from -{_MOST_ENTRY:g} to {_MOST_ENTRY:g}")
+    _refuse_metrics(counts & ~_are_positive(matrices), what, "is not positive definite")
     if of_elements:
         flat = matrices.reshape(len(matrices), -1)
         sums = np.stack([np.bincount(nodes, weights=part[owners], minlength=n) for part in flat.T], axis=1)

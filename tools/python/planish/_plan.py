@@ -165,7 +165,8 @@ class Plan:
                 [n, 2, 2] or [n, 3, 3]; or the name of an array of the mesh
             size_from: a .sol or .solb file of Medit's with these sizes or metrics
             keep_sizes: the elements are to have their present sizes, in relation to one another
-            size_weight: weight of sizes, 0 .. 1; shapes have the rest. None: 0.9, with like 0
+            size_weight: weight of sizes, 0 .. 1; shapes have the rest. None: 0.9, with like 0. Above 0 the ratios that
+                never get worse count sizes, and shapes alone may get worse
         """
         self._setup(Source(points, cells), PlanChoices(
             fix=fix, min_volume=min_volume, threads=threads, only_worse_than=only_worse_than, rings=rings,

@@ -39,8 +39,9 @@ def take_size(view: View, size: Any) -> None:
         raise ValueError(f"size must have a number or a {dim} x {dim} matrix for each of {view.n} points, not the "
                          f"shape {values.shape}")
     off = np.abs(values - values.transpose(0, 2, 1)).max(axis=(1, 2))
-    if (off > 1e-6 * np.abs(values).max(axis=(1, 2))).any():
-        raise ValueError("size that has matrices must have symmetric ones")
+    wrong = np.flatnonzero(off > 1e-6 * np.abs(values).max(axis=(1, 2)))
+    if len(wrong):
+        raise ValueError(f"size that has matrices must have symmetric ones; that of node {wrong[0]} is not")
     rows, columns = np.tril_indices(dim)
     view.give("metric", np.ascontiguousarray(values[:, rows, columns]))
 
