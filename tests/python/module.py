@@ -14,6 +14,7 @@ import threading
 import time
 import types
 import unittest
+from unittest import mock
 
 import numpy as np
 
@@ -854,6 +855,59 @@ class Surfaces(unittest.TestCase):
             self.assertLess(np.abs(np.linalg.norm(again[~inside], axis=1) - radius).max(), 0.02 * radius)
             self.assertLess(plan.fit_distance(again).in_edges, 0.3)
         self.assertRaisesRegex(ValueError, "the shape is closed", closed.classes)
+
+    def fitted_ball(self):
+        """Points and cells of a ball, and the shape of a finer one around it."""
+        fine, solids, _ = ball(4)
+        points, cells, _ = ball(3)
+        return 0.6 * points, cells, planish.Shape(fine * (3 / 4) * 0.65, solids)
+
+    def test_errors_beside_onto_move_nothing(self):
+        """Options of a run are wrong, the library refuses them, or memory ends: points are where they were."""
+        first, cells, other = self.fitted_ball()
+        points = first.copy()
+        planish.smooth(points, cells, onto=other)
+        self.assertGreater((points != first).any(axis=1).sum(), 50)
+        for wrong in ({"max_sweeps": 2.5}, {"tolerance": 2}, {"objective": "foo"}, {"min_volume": -1}, {"area_weight": 0.5},
+                      {"time_limit": -1}, {"worst_measure": "dihedral"}, {"progress": 5}, {"rounding": -1}):
+            points = first.copy()
+            self.assertRaises((ValueError, TypeError), planish.smooth, points, cells, onto=other, **wrong)
+            np.testing.assert_array_equal(points, first, str(wrong))
+        for where in ("planish._plan.call", "planish._smooth.run_with_layers", "planish.Plan.fit_distance",
+                      "planish._fit.Fit.let_slide"):
+            for points in first.copy(), first[:, ::-1].astype(np.float32)[:, ::-1]:
+                before = points.copy()
+                with mock.patch(where, side_effect=MemoryError), self.assertRaises(MemoryError):
+                    planish.smooth(points, cells, onto=other)
+                np.testing.assert_array_equal(points, before, where)
+        points = first.copy()
+        with mock.patch("planish._plan.call", side_effect=MemoryError), self.assertRaises(MemoryError):
+            planish.Plan(points, cells, onto=other)
+        np.testing.assert_array_equal(points, first)
+
+    def test_progress_beside_onto_may_raise(self):
+        """What progress raises is no error: points stay as good as they have become."""
+        first, cells, other = self.fitted_ball()
+        points = first.copy()
+        with self.assertRaises(ZeroDivisionError):
+            planish.smooth(points, cells, onto=other, progress=lambda _: 1 / 0)
+        with planish.Plan(first.copy(), cells, onto=other) as plan:
+            self.assertEqual((plan.fit.n_off, plan.fit_distance(points).n_unproved), (0, 0))
+            self.assertLess(plan.fit_distance(points).in_edges, 0.3)
+
+    def test_errors_after_a_round_move_nothing(self):
+        """An error in a later step of smooth takes back the steps before."""
+        first, cells, _ = box(3)
+        for where in "planish._smooth.promises_for", "planish._smooth.run_with_layers":
+            points = first.copy()
+
+            def smooth_and_fail(plan, *run):
+                plan.run(None, run[-1])
+                raise MemoryError
+
+            with mock.patch(where, side_effect=smooth_and_fail), self.assertRaises(MemoryError):
+                planish.smooth(points, cells)
+            np.testing.assert_array_equal(points, first)
 
     def test_shapes_are_closed_at_any_time(self):
         """Who closes a shape while nodes slide on it changes nothing."""

@@ -157,7 +157,9 @@ def length(given: Length, name: str) -> tuple[float, int]:
 
 
 def check_run(run: RunChoices) -> None:
-    """Raise ValueError if an option of a run has no effect without another one."""
+    """Raise ValueError if an option of a run has no effect without another one, and TypeError if progress is none."""
+    if run.progress is not None and not callable(run.progress):
+        raise TypeError(f"progress must be a function, not {type(run.progress).__name__}")
     _number_of("dihedral" if run.worst_measure is None else run.worst_measure, _WORST, "worst_measure")
     for name in ("worst_measure", "worst_rise"):
         if run.objective != "worst" and getattr(run, name) != getattr(RunChoices(), name):

@@ -175,13 +175,16 @@ class Plan:
             size_weight=size_weight))
 
     @classmethod
-    def of_choices(cls, source: Source, choices: PlanChoices) -> Plan:
-        """Return the plan of a mesh with its options, for modules of this package."""
+    def of_choices(cls, source: Source, choices: PlanChoices, run: RunChoices) -> Plan:
+        """Return the plan of a mesh with its options, for modules of this package.
+
+        run: options of the run that the plan is for, which are checked before onto moves points.
+        """
         made = cls.__new__(cls)
-        made._setup(source, choices)
+        made._setup(source, choices, run)
         return made
 
-    def _setup(self, source: Source, choices: PlanChoices) -> None:
+    def _setup(self, source: Source, choices: PlanChoices, run: Optional[RunChoices] = None) -> None:
         """Make the plan."""
         check_plan(choices)
         self._plan = c_void_p()
@@ -190,14 +193,30 @@ class Plan:
         self._smoother = 0  # the thread that smooths
         self._process = os.getpid()
         self._fit: Optional[Fit] = None
+        self._has_onto = choices.onto is not None
+        self._start: Optional[NDArray[Any]] = None  # points before onto moved them
+        self._is_stopped = False
         self._view = _view_for(source, choices)
         self._options = _options_for(self._view, choices)
         self.slides = SlideInfo()
         self.shape: Optional[Shape] = None
         self._find_slides(source, choices)
-        if choices.onto is not None:
-            self._move_onto(source, choices)
         self._choose(choices.around)
+        if choices.onto is None:
+            self._create()
+            return
+        if run is not None:
+            self._set_run(run, Options.from_buffer_copy(self._options))
+        self._start = np.array(self._view.given)
+        try:
+            self._move_onto(source, choices)
+            self._create()
+        except BaseException:
+            self.go_back(self._start)
+            raise
+
+    def _create(self) -> None:
+        """Let the library make the plan."""
         self._view.own_elements()  # the plan reads them as long as it lives
         call(library.planish_plan_create, byref(self._view.mesh), byref(self._options), byref(self._plan))
 
@@ -230,6 +249,15 @@ class Plan:
             self._fit = Fit(self._view, own, onto, self._options)
         self._fit.move(self._options)
         self._fit.let_slide(self._options)
+
+    def start(self) -> NDArray[Any]:
+        """Return the points where they were given, before onto moved them, for modules of this package."""
+        return np.array(self._view.given) if self._start is None else self._start
+
+    def go_back(self, start: NDArray[Any]) -> None:
+        """Set the points to start after an error, for modules of this package. What progress raises is none."""
+        if not self._is_stopped and self._view.given.flags.writeable:
+            self._view.given[...] = start
 
     def _choose(self, around: Any) -> None:
         """Choose the nodes that move."""
@@ -434,13 +462,18 @@ class Plan:
             self._plan = c_void_p()
             call(library.planish_plan_create, byref(self._view.mesh), byref(self._options), byref(self._plan))
 
+    def _set_run(self, choices: RunChoices, options: Options) -> None:
+        """Check the options of a run, and set them in options."""
+        if choices.surface_tolerance != 0 and self.shape is None and not self._has_onto:
+            raise ValueError("surface_tolerance has no effect without slide='curved'")
+        set_run(choices, options, self._view, self._view.has_types())
+
     def run(self, points: Any, choices: RunChoices) -> Result:
         """Smooth the mesh in place, with options of one run, for modules of this package."""
         options, result = self._options, Result()
-        if choices.surface_tolerance != 0 and self.shape is None and self._fit is None:
-            raise ValueError("surface_tolerance has no effect without slide='curved'")
         with self._use():  # the options, too, are those of who smooths
-            set_run(choices, options, self._view, self._view.has_types())
+            self._is_stopped = False
+            self._set_run(choices, options)
             taken = self._coordinates(points, writes=True)
             self._view.set_storage(options, taken)
             shape = None if self.shape is None else self.shape.handle()  # progress may close it
@@ -449,10 +482,12 @@ class Plan:
             def work() -> None:
                 call(library.planish_smooth, self._plan, pointer(taken.array), byref(options), byref(result))
                 taken.write_back()
+                self._is_stopped = True  # if now anything is raised, progress did it
 
             self._smoother = threading.get_ident()
             try:
                 watched(options, choices.progress, taken, work)
+                self._is_stopped = False
             finally:
                 self._smoother = 0
         return result

@@ -139,11 +139,21 @@ def _smooth(source: Source, choices: PlanChoices, run: RunChoices) -> Result:
     surface = SpaceSurface.of(source, choices)
     if surface is not None:
         return surface.run(source, choices, run)
-    with Plan.of_choices(source, layers_of_smooth(choices, run)) as plan:
-        promises = promises_for(plan, choices, run)
-        result = run_with_layers(plan, run)
-        if promises is not None:
-            promises.keep(result)
-        if plan.fit is not None:
-            result.fit, result.fit_distance = plan.fit, plan.fit_distance()
-        return result
+    with Plan.of_choices(source, layers_of_smooth(choices, run), run) as plan:
+        start = plan.start()
+        try:
+            return _smooth_by(plan, choices, run)
+        except BaseException:
+            plan.go_back(start)
+            raise
+
+
+def _smooth_by(plan: Plan, choices: PlanChoices, run: RunChoices) -> Result:
+    """Smooth the mesh of a plan in all steps."""
+    promises = promises_for(plan, choices, run)
+    result = run_with_layers(plan, run)
+    if promises is not None:
+        promises.keep(result)
+    if plan.fit is not None:
+        result.fit, result.fit_distance = plan.fit, plan.fit_distance()
+    return result
