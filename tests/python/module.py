@@ -841,10 +841,8 @@ class Surfaces(unittest.TestCase):
         floats = first.astype(np.float32)
         planish.smooth(floats, cells, onto=other)
         self.assertLess(np.abs(np.linalg.norm(floats[~inside], axis=1) - radius).max(), 0.02 * radius)
-        for wrong, text in (({"slide": "auto"}, "have no place"), ({"only_worse_than": 2}, "have no place"),
-                            ({"onto": planish.Shape(100 * fine, faces)}, "same unit")):
-            with self.assertRaisesRegex(ValueError, text):
-                planish.smooth(first.copy(), cells, **{"onto": other, **wrong})
+        with self.assertRaisesRegex(ValueError, "same unit"):
+            planish.smooth(first.copy(), cells, onto=planish.Shape(100 * fine, faces))
         with planish.Plan(first.copy(), cells) as plan, self.assertRaisesRegex(ValueError, "without onto"):
             plan.fit_distance()
         with planish.Shape(fine, faces) as closed:
@@ -884,6 +882,25 @@ class Surfaces(unittest.TestCase):
         with mock.patch("planish._plan.call", side_effect=MemoryError), self.assertRaises(MemoryError):
             planish.Plan(points, cells, onto=other)
         np.testing.assert_array_equal(points, first)
+
+    def test_options_without_a_place_beside_onto(self):
+        """Options that the program refuses beside --onto are refused, in a run of a plan, too, and nothing moves."""
+        first, cells, other = self.fitted_ball()
+        points = first.copy()
+        of_plan = ({"slide": "auto"}, {"slide": ["wall"]}, {"only_worse_than": 2}, {"around": [1]}, {"surface_of": first})
+        of_run = ({"box": [-1, -1, -1, 1, 1, 1]}, {"max_displacement": 0.01}, {"max_displacement": "0.1h"})
+        for wrong in of_plan + of_run:
+            with self.assertRaisesRegex(ValueError, f"give onto or {list(wrong)[0]}, not both"):
+                planish.smooth(points, cells, onto=other, **wrong)
+        others = ({"method": "laplacian"}, "onto has no effect with method='laplacian'"), (
+            {"surface_tolerance": "0.1h"}, "surface_tolerance has no effect without slide='curved'")
+        for wrong, text in others:
+            with self.assertRaisesRegex(ValueError, text):
+                planish.smooth(points, cells, onto=other, **wrong)
+        np.testing.assert_array_equal(points, first)
+        with planish.Plan(points, cells, onto=other) as plan:
+            for wrong in (*of_run, *(wrong for wrong, _ in others)):
+                self.assertRaises(ValueError, plan.smooth, **wrong)
 
     def test_progress_beside_onto_may_raise(self):
         """What progress raises is no error: points stay as good as they have become."""

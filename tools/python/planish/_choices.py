@@ -104,11 +104,19 @@ def check_chosen(choices: PlanChoices) -> None:
         raise ValueError("rings has no effect without only_worse_than or around")
 
 
+def _refuse_beside_onto(**given: Any) -> None:
+    """Raise ValueError if an option is given that has no place beside onto, as the program refuses them."""
+    for name, is_given in given.items():
+        if is_given:
+            raise ValueError(f"give onto or {name}, not both")
+
+
 def check_plan(choices: PlanChoices) -> None:
     """Raise ValueError if options of a plan exclude each other, or one lacks another."""
     is_sliding, is_curved, _ = choices.slides()
-    if choices.onto is not None and (is_sliding or choices.around is not None or choices.only_worse_than):
-        raise ValueError("onto moves all nodes of the boundary: slide, around and only_worse_than have no place")
+    if choices.onto is not None:
+        _refuse_beside_onto(slide=is_sliding, around=choices.around is not None, only_worse_than=choices.only_worse_than,
+                            surface_of=choices.surface_of is not None)
     is_of_curved = choices.surface_of is not None or choices.slide_interfaces or (
         choices.crease_angle and choices.onto is None)
     if not is_curved and is_of_curved:
@@ -164,6 +172,14 @@ def check_run(run: RunChoices) -> None:
     for name in ("worst_measure", "worst_rise"):
         if run.objective != "worst" and getattr(run, name) != getattr(RunChoices(), name):
             raise ValueError(f"{name} has no effect without objective='worst'")
+
+
+def check_run_onto(run: RunChoices) -> None:
+    """Raise ValueError if a run of a plan with onto has an option that has no place beside it."""
+    _refuse_beside_onto(box=run.box is not None,
+                        max_displacement=length(run.max_displacement, "max_displacement")[0] != 0)
+    if run.method != "planish":
+        raise ValueError(f"onto has no effect with method={run.method!r}")
 
 
 def _check_objective(run: RunChoices, has_types: bool) -> None:

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _targets
 from ._arrays import Points, address, chosen_nodes, pointer, refuse_masked
 from ._choices import (Direction, Fix, Layers, Length, Method, Nodes, Objective, Path, PlanChoices, RunChoices,
-                       Slide, WorstMeasure, check_plan, set_run, size_weight_of)
+                       Slide, WorstMeasure, check_plan, check_run_onto, set_run, size_weight_of)
 from ._files import opened
 from ._fit import Fit
 from ._layers import take_layers
@@ -464,7 +464,9 @@ class Plan:
 
     def _set_run(self, choices: RunChoices, options: Options) -> None:
         """Check the options of a run, and set them in options."""
-        if choices.surface_tolerance != 0 and self.shape is None and not self._has_onto:
+        if self._has_onto:
+            check_run_onto(choices)
+        if choices.surface_tolerance != 0 and self.shape is None:
             raise ValueError("surface_tolerance has no effect without slide='curved'")
         set_run(choices, options, self._view, self._view.has_types())
 
