@@ -475,8 +475,11 @@ class Files(unittest.TestCase):
         start = mesh.points.copy()
         with self.assertRaisesRegex(planish.Error, "upper part"):  # it lists those that there are
             planish.smooth(mesh, fix=["wall"])
-        with self.assertRaisesRegex(planish.Error, "out.xyz"):
-            mesh.write(self.folder / "out.xyz")
+        for name in "out.xyz", "out":  # extensions of no format, as where such a file is read
+            with self.assertRaisesRegex(planish.FileError, "does not have an extension"):
+                mesh.write(self.folder / name)
+            with self.assertRaisesRegex(OSError, name):
+                planish.write(mesh, self.folder / name)
         with self.assertRaisesRegex(planish.FileError, "nowhere"):
             mesh.write("/nowhere/out.msh")
         with self.assertRaisesRegex(planish.Error, "formats|known|unknown"):
