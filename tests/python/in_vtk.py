@@ -63,6 +63,18 @@ def cells_of(grid):
             vtk_to_numpy(grid.GetCellTypesArray()))
 
 
+class Observer:
+    """Observer of VTK's that keeps the texts of events."""
+
+    CallDataType = "string0"
+
+    def __init__(self, texts):
+        self.texts = texts
+
+    def __call__(self, _caller, _event, text):
+        self.texts.append(text)
+
+
 class Filter(unittest.TestCase):
     """The filter."""
 
@@ -244,6 +256,23 @@ class Filter(unittest.TestCase):
         finally:
             vtk.vtkObject.GlobalWarningDisplayOn()
         self.assertGreaterEqual(len(texts), 3)
+
+    def test_curved_in_a_plane(self):
+        """As by the program: an error that says what to choose, and nothing of planish's C structures."""
+        source, texts = vtk.vtkPlaneSource(), []
+        source.SetResolution(4, 4)
+        source.Update()
+
+        class Window(vtk.vtkOutputWindow):
+            """VTK's window of messages."""
+
+        vtk.vtkOutputWindow.SetInstance(Window())
+        vtk.vtkOutputWindow.GetInstance().AddObserver("ErrorEvent", Observer(texts))
+        vtk.vtkObject.GlobalWarningDisplayOff()
+        self.addCleanup(vtk.vtkObject.GlobalWarningDisplayOn)
+        made, _ = self.smoothed(source.GetOutput(), Slide=Smooth.CURVED)
+        self.assertEqual(made.GetNumberOfCells(), 0)
+        self.assertIn("no curved surface: use slide='auto'", "".join(texts))
 
     def test_empty(self):
         points_alone = vtk.vtkUnstructuredGrid()

@@ -523,6 +523,20 @@ class Refusals(unittest.TestCase):
         with self.assertRaisesRegex(TypeError, "meshes of planish.read, not ndarray"):
             planish.write(points, "out.vtk")
 
+    def test_curved_in_a_plane(self):
+        """A mesh in a plane has no curved surface: the error says what to give."""
+        points, cells, _ = box(2, 3)
+        flat, start = np.column_stack([points, np.zeros(len(points))]), points.copy()
+        advice = "lies in a plane, which has no curved surface: use slide='auto'"
+        for given in points, flat:
+            for slide in "curved", ["curved"]:
+                self.refuse(ValueError, advice, given, cells, slide=slide)
+                self.refuse(ValueError, advice, given, cells, slide=slide, objective="worst", surface_of=given)
+            self.assertRaisesRegex(ValueError, advice, planish.Plan, given, cells, slide="curved")
+            self.assertRaisesRegex(ValueError, advice, planish.find_slides, given, cells, surface_of=given)
+        np.testing.assert_array_equal(points, start)
+        self.assertEqual(planish.smooth(points, cells, slide="auto", objective="worst").n_inverted, 0)
+
     def test_masked_values_are_refused(self):
         """The library would take the numbers behind the mask."""
         points, cells, _ = box(3, 3)

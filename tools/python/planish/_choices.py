@@ -132,6 +132,12 @@ def check_plan(choices: PlanChoices) -> None:
         raise ValueError("give one of size, size_from and keep_sizes")
 
 
+def check_curved(dim: int, is_curved: bool) -> None:
+    """Raise ValueError if nodes are to slide on curved surfaces in a plane. dim: that of the mesh."""
+    if is_curved and dim == 2:
+        raise ValueError("the mesh lies in a plane, which has no curved surface: use slide='auto'")
+
+
 def size_weight_of(choices: PlanChoices) -> float:
     """Return the weight of sizes."""
     usual = _WEIGHT_OF_SIZES if choices.has_sizes() else 0.0

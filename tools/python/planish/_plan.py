@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _targets
 from ._arrays import Points, address, chosen_nodes, pointer, refuse_masked
 from ._choices import (Direction, Fix, Layers, Length, Method, Nodes, Objective, Path, PlanChoices, RunChoices,
-                       Slide, WorstMeasure, check_plan, check_run_onto, set_run, size_weight_of)
+                       Slide, WorstMeasure, check_curved, check_plan, check_run_onto, set_run, size_weight_of)
 from ._files import opened
 from ._fit import Fit
 from ._layers import take_layers
@@ -223,6 +223,7 @@ class Plan:
     def _find_slides(self, source: Source, choices: PlanChoices) -> None:
         """Find the nodes that slide, as the option slide says."""
         is_sliding, is_curved, _ = choices.slides()
+        check_curved(self._view.dim, is_curved)
         if is_curved:
             self.shape = shape_for(source, opened(choices.surface_of), choices.regions, choices.crease_angle, choices.threads)
             self._options.shape = self.shape.pointer().value
