@@ -173,7 +173,7 @@ class Smoothing(unittest.TestCase):
         np.testing.assert_array_equal(points[:, :2], flat)
         self.assertTrue((points[:, 2] == 5).all())
         points[3, 2] = 6
-        with self.assertRaisesRegex(ValueError, "constant z"):
+        with self.assertRaisesRegex(ValueError, "must lie in a plane"):
             planish.Plan(points, cells)
 
     def test_options(self):

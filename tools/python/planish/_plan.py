@@ -128,7 +128,8 @@ class Plan:
         MemoryError.
 
         Args:
-            points: coordinates, an array [n, 2 or 3] of numpy, or a mesh of planish.read, meshio or PyVista
+            points: coordinates, an array [n, 2 or 3] of numpy, or a mesh of planish.read, meshio or PyVista. Flat
+                elements lie in a plane of constant x, y or z; smooth and quality take other planes and surfaces, too
             cells: an array [m, 3 or 4] of triangles or tetrahedra; or a dict, or pairs, of types and arrays [m, k]:
                 meshio's names ("tetra10") with meshio's order of nodes, or VTK's numbers with VTK's; or a tuple of
                 VTK's arrays, (cells, celltypes) as in PyVista, or (nodes, offsets, types); None with a mesh
@@ -197,6 +198,8 @@ class Plan:
         self._start: Optional[NDArray[Any]] = None  # points before onto moved them
         self._is_stopped = False
         self._view = _view_for(source, choices)
+        if run is None and self._view.is_for_one_run:
+            raise ValueError("the elements lie in a tilted plane, for which there is no Plan: smooth and quality take them")
         self._options = _options_for(self._view, choices)
         self.slides = SlideInfo()
         self.shape: Optional[Shape] = None
@@ -326,7 +329,8 @@ class Plan:
             raise RuntimeError("the plan was made before this process was forked, and may have threads that "
                                "are not here; make it with threads=1, or another one here")
         points = self._view.given if points is None else getattr(points, "points", points)
-        taken = Points(points, self._view.dim, self._view.points.strides, writes)
+        taken = Points(self._view.in_plane(points), self._view.dim, self._view.points.strides, writes)
+        taken.show = self._view.shown
         if len(points) != self._view.n:
             raise ValueError(f"points has {len(points)} rows, but the plan is for {self._view.n}")
         return taken
