@@ -423,6 +423,111 @@ class Files(unittest.TestCase):
                                           (["--keep-sizes"], {"keep_sizes": True})):
                     self.same_as_the_program(file, options, **keywords)
 
+    def planes(self):
+        """Yield a name, and rows of three unit vectors, for flat meshes of every plane."""
+        yield "x y", np.eye(3)
+        yield "z x", np.eye(3)[[2, 0, 1]]
+        yield "y z", np.eye(3)[[1, 2, 0]]
+        yield "x z", np.eye(3)[[0, 2, 1]]  # seen from behind
+        for seed in range(3):
+            yield f"tilted {seed}", np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0]
+
+    def same_as_the_file(self, path, points, blocks, **options):
+        """Smooth the file at path, and arrays of the same points in space."""
+        mesh, start = read(path), points.copy()
+        self.assertEqual(mesh.dim, 2)
+        expected = planish.smooth(mesh, **options)
+        result = planish.smooth(points, blocks, **options)
+        np.testing.assert_array_equal(points, mesh.space_points().astype(points.dtype), f"{path} {options}")
+        self.assertEqual((result.stop, result.sweeps, result.n_moved_nodes),
+                         (expected.stop, expected.sweeps, expected.n_moved_nodes))
+        self.assertTrue((points != start).any())
+
+    def test_arrays_in_any_plane(self):
+        """Flat elements in a plane have the bits that they have in a file, and their boundary stays."""
+        for name, axes in self.planes():
+            for kind, amount in ("triangle", 0.25), ("quad", 0.4), ("triangle6", 0.1), ("triangle", 0.7):
+                flat, cells, inside = box(2, 6, amount)
+                if kind == "quad":
+                    flat, cells, inside = elements.Elements().grid(kind, 6, amount)
+                flat, n = flat[:, :2] * (1, 0.7), len(flat)
+                if kind == "triangle6":
+                    flat, cells = elements.raised(flat, cells, kind)
+                shift = {"x y": 0, "tilted 1": 2000}.get(name, 4)
+                points = np.column_stack([flat, np.zeros(len(flat))]) @ axes + shift
+                blocks = {kind: cells}
+                path = self.write("plane.vtk", points, blocks.items())
+                again = points.copy()
+                self.same_as_the_file(path, again, blocks)
+                self.assertTrue((again == points)[:n][~inside].all(), f"{name} {kind}")
+                for options in {"slide": "auto"}, {"objective": "worst", "slide": "auto", "max_sweeps": 5}, {"fix": [7]}:
+                    self.same_as_the_file(path, points.copy(), blocks, **options)
+                if np.abs(points).max() > 100:  # where floats are off the plane
+                    continue
+                path.write_text(path.read_text().replace("double", "float"))
+                self.same_as_the_file(path, points.astype(np.float32), blocks)
+                self.same_as_the_file(path, points.astype(np.float32), blocks, slide="auto")
+
+    def test_options_in_any_plane(self):
+        """Other places of the mesh, boxes, measures, progress and errors."""
+        flat, cells, inside = box(2, 6, 0.25)
+        flat = np.column_stack([flat, np.zeros(len(flat))])
+        for name, axes in list(self.planes())[1:]:
+            points = flat @ axes
+            path, like = (self.write(file, x, [("triangle", cells)]) for file, x in (("plane.vtk", points),
+                                                                                   ("like.vtk", 1.1 * flat)))
+            first = read(path)
+            planish.smooth(first, like=like)
+            again = points.copy()
+            planish.smooth(again, cells, like=1.1 * flat)
+            np.testing.assert_array_equal(again, first.space_points(), name)
+            self.same_as_the_file(path, points.copy(), cells, keep_sizes=True)
+            with self.assertRaisesRegex(ValueError, "like|compare"):
+                planish.smooth(points.copy(), cells, like=flat[:, :2].copy())
+            with self.assertRaisesRegex(ValueError, "matrices are for a plane of constant z"):
+                planish.smooth(points.copy(), cells, size=np.tile(np.eye(2), (len(points), 1, 1)))
+            if name.startswith("tilted"):
+                self.assertRaisesRegex(ValueError, "tilted plane", planish.smooth, points, cells, box=[0, 0, 3, 3])
+                self.assertRaisesRegex(ValueError, "tilted plane", planish.Plan, points, cells)
+            else:
+                self.same_as_the_file(path, points.copy(), cells, box=[0, 0, 4, 3.5])
+                again = points.copy()
+                with planish.Plan(points.copy(), cells) as plan:
+                    plan.smooth(again)
+                    with self.assertRaisesRegex(ValueError, "columns"):
+                        plan.smooth(flat[:, :2].copy())
+                    with self.assertRaisesRegex(ValueError, "left the plane"):
+                        plan.smooth(points @ np.linalg.qr(np.arange(9).reshape(3, 3) + np.eye(3))[0])
+                planish.smooth(points, cells)
+                np.testing.assert_array_equal(again, points)
+                points = flat @ axes
+            seen: list = []
+
+            def progress(step, seen=seen):
+                if step.sweep_done:
+                    seen.append(step.points())
+                    return 1 // (len(seen) < 2) > 1
+                return False
+
+            again, start = points.copy(), points.copy()
+            self.assertRaises(ZeroDivisionError, planish.smooth, again, cells, progress=progress)
+            np.testing.assert_array_equal(again, seen[-1])
+            self.assertTrue((again[inside] != start[inside]).any(axis=1).mean() > 0.9)
+            again.flags.writeable = False
+            self.assertRaisesRegex(ValueError, "read-only", planish.smooth, again, cells)
+            self.assertRaises(ValueError, planish.smooth, points, cells, tolerance=2)
+            np.testing.assert_array_equal(points, start)
+            a, b = planish.quality(points, cells), planish.quality(flat[:, :2].copy(), cells)
+            self.assertAlmostEqual(a.rms_radius_ratio, b.rms_radius_ratio, 10)
+            self.assertEqual((planish.find_slides(points, cells).constraint == 1).sum(), 4)
+        with self.assertRaisesRegex(ValueError, "near one line"):
+            planish.smooth(flat * (1, 0, 0) @ axes, cells)
+        raised = flat @ axes
+        raised[3] += 0.01 * axes[2]
+        planish.smooth(raised, cells)
+        with self.assertRaisesRegex(ValueError, "must lie in a plane"):
+            planish.Plan(raised, cells)
+
     def test_arrays_of_a_mesh(self):
         mesh = read(DATA / "ascii41.msh")
         self.assertEqual((mesh.format, mesh.dim, mesh.is_in_space, mesh.plane()), ("gmsh", 3, False, None))
@@ -537,8 +642,11 @@ class Files(unittest.TestCase):
         start = mesh.points.copy()
         with self.assertRaisesRegex(planish.Error, "upper part"):  # it lists those that there are
             planish.smooth(mesh, fix=["wall"])
-        with self.assertRaisesRegex(planish.Error, "out.xyz"):
-            mesh.write(self.folder / "out.xyz")
+        for name in "out.xyz", "out":  # extensions of no format, as where such a file is read
+            with self.assertRaisesRegex(planish.FileError, "does not have an extension"):
+                mesh.write(self.folder / name)
+            with self.assertRaisesRegex(OSError, name):
+                planish.write(mesh, self.folder / name)
         with self.assertRaisesRegex(planish.FileError, "nowhere"):
             mesh.write("/nowhere/out.msh")
         with self.assertRaisesRegex(planish.Error, "formats|known|unknown"):

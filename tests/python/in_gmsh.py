@@ -69,16 +69,24 @@ def pyramids():
     MESH.generate(3)
 
 
-def disk(across=(0, 0, 1)):
-    """Two regions of triangles in a plane."""
+def disk(axis=(0, 1, 0), angle=0):
+    """Two regions of triangles in a plane, turned about an axis."""
     OCC.fragment([(2, OCC.addDisk(0, 0, 0, 1, 1))], [(2, OCC.addRectangle(-0.3, -0.3, 0, 0.5, 0.4))])
-    if across[0]:
-        OCC.rotate(OCC.getEntities(2), 0, 0, 0, 0, 1, 0, np.pi / 2)
+    if angle:
+        OCC.rotate(OCC.getEntities(2), 0, 0, 0, *axis, angle)
     generate(0.15, 2)
 
 
 def disk_across_x():
-    disk((1, 0, 0))
+    disk((0, 1, 0), np.pi / 2)
+
+
+def disk_across_y():
+    disk((1, 0, 0), np.pi / 2)
+
+
+def disk_tilted():
+    disk((1, 0.3, 0.2), 0.7)
 
 
 def embedded():
@@ -192,7 +200,7 @@ class InGmsh(unittest.TestCase):
                     if order == 2:
                         MESH.setOrder(2)
                     self.expect_program()
-        for make in (disk, disk_across_x):
+        for make in (disk, disk_across_x, disk_across_y, disk_tilted):
             with self.subTest(make=make.__name__):
                 gmsh.model.add(make.__name__)
                 make()
@@ -312,7 +320,7 @@ class InGmsh(unittest.TestCase):
     def test_like_in_planes(self):
         """Coordinates in space are those of the plane that the mesh lies in."""
         places = {}
-        for make in disk, disk_across_x:
+        for make in disk, disk_across_x, disk_across_y, disk_tilted:
             gmsh.model.add(make.__name__)
             make()
             like = nodes()[1]

@@ -63,6 +63,18 @@ def cells_of(grid):
             vtk_to_numpy(grid.GetCellTypesArray()))
 
 
+class Observer:
+    """Observer of VTK's that keeps the texts of events."""
+
+    CallDataType = "string0"
+
+    def __init__(self, texts):
+        self.texts = texts
+
+    def __call__(self, _caller, _event, text):
+        self.texts.append(text)
+
+
 class Filter(unittest.TestCase):
     """The filter."""
 
@@ -244,6 +256,51 @@ class Filter(unittest.TestCase):
         finally:
             vtk.vtkObject.GlobalWarningDisplayOn()
         self.assertGreaterEqual(len(texts), 3)
+
+    def test_planes(self):
+        """The boundary of flat cells stays, in any plane, of floats, too, and with AUTO it slides along its edges."""
+        n, tilt = 9, np.linalg.qr(np.random.default_rng(4).normal(size=(3, 3)))[0]
+        flat = np.stack(np.meshgrid(range(n), range(n), [0.0]), axis=-1).reshape(-1, 3)
+        inside = ((flat[:, :2] > 0) & (flat[:, :2] < n - 1)).all(axis=1)
+        flat[inside, :2] += np.random.default_rng(1).uniform(-0.3, 0.3, (inside.sum(), 2))
+        flat[3, 0] += 0.3
+        for axes in (np.eye(3), np.eye(3)[[2, 0, 1]], np.eye(3)[[1, 2, 0]], tilt):
+            for is_float in (True, False):
+                grid, points = vtk.vtkUnstructuredGrid(), vtk.vtkPoints()
+                points.SetDataType(vtk.VTK_FLOAT if is_float else vtk.VTK_DOUBLE)
+                points.SetNumberOfPoints(len(flat))
+                grid.SetPoints(points)
+                places(grid)[...] = flat @ axes
+                for i in range(n * n - n):
+                    if i % n < n - 1:
+                        grid.InsertNextCell(vtk.VTK_QUAD, 4, [i, i + 1, i + n + 1, i + n])
+                made, _ = self.smoothed(grid)
+                moved = (places(made) != places(grid)).any(axis=1)
+                np.testing.assert_array_equal(array(made.GetPointData(), "fixed") == 1, ~inside)
+                self.assertFalse(moved[~inside].any())
+                self.assertGreater(moved[inside].mean(), 0.9)
+                self.assertLess(np.abs(places(made) @ axes[2]).max(), 1e-6)
+                made, _ = self.smoothed(grid, Slide=Smooth.AUTO)
+                self.assertEqual(np.flatnonzero(array(made.GetPointData(), "fixed")).tolist(), [0, n - 1, n * n - n, n * n - 1])
+                self.assertGreater(np.abs(places(made) - places(grid))[3].max(), 0.05)
+                self.assertLess(np.abs((places(made) @ axes.T)[:n, 1]).max(), 1e-5)
+
+    def test_curved_in_a_plane(self):
+        """As by the program: an error that says what to choose, and nothing of planish's C structures."""
+        source, texts = vtk.vtkPlaneSource(), []
+        source.SetResolution(4, 4)
+        source.Update()
+
+        class Window(vtk.vtkOutputWindow):
+            """VTK's window of messages."""
+
+        vtk.vtkOutputWindow.SetInstance(Window())
+        vtk.vtkOutputWindow.GetInstance().AddObserver("ErrorEvent", Observer(texts))
+        vtk.vtkObject.GlobalWarningDisplayOff()
+        self.addCleanup(vtk.vtkObject.GlobalWarningDisplayOn)
+        made, _ = self.smoothed(source.GetOutput(), Slide=Smooth.CURVED)
+        self.assertEqual(made.GetNumberOfCells(), 0)
+        self.assertIn("no curved surface: use slide='auto'", "".join(texts))
 
     def test_empty(self):
         points_alone = vtk.vtkUnstructuredGrid()

@@ -14,6 +14,7 @@ import threading
 import time
 import types
 import unittest
+from unittest import mock
 
 import numpy as np
 
@@ -172,7 +173,7 @@ class Smoothing(unittest.TestCase):
         np.testing.assert_array_equal(points[:, :2], flat)
         self.assertTrue((points[:, 2] == 5).all())
         points[3, 2] = 6
-        with self.assertRaisesRegex(ValueError, "constant z"):
+        with self.assertRaisesRegex(ValueError, "must lie in a plane"):
             planish.Plan(points, cells)
 
     def test_options(self):
@@ -522,6 +523,20 @@ class Refusals(unittest.TestCase):
         with self.assertRaisesRegex(TypeError, "meshes of planish.read, not ndarray"):
             planish.write(points, "out.vtk")
 
+    def test_curved_in_a_plane(self):
+        """A mesh in a plane has no curved surface: the error says what to give."""
+        points, cells, _ = box(2, 3)
+        flat, start = np.column_stack([points, np.zeros(len(points))]), points.copy()
+        advice = "lies in a plane, which has no curved surface: use slide='auto'"
+        for given in points, flat:
+            for slide in "curved", ["curved"]:
+                self.refuse(ValueError, advice, given, cells, slide=slide)
+                self.refuse(ValueError, advice, given, cells, slide=slide, objective="worst", surface_of=given)
+            self.assertRaisesRegex(ValueError, advice, planish.Plan, given, cells, slide="curved")
+            self.assertRaisesRegex(ValueError, advice, planish.find_slides, given, cells, surface_of=given)
+        np.testing.assert_array_equal(points, start)
+        self.assertEqual(planish.smooth(points, cells, slide="auto", objective="worst").n_inverted, 0)
+
     def test_masked_values_are_refused(self):
         """The library would take the numbers behind the mask."""
         points, cells, _ = box(3, 3)
@@ -840,10 +855,8 @@ class Surfaces(unittest.TestCase):
         floats = first.astype(np.float32)
         planish.smooth(floats, cells, onto=other)
         self.assertLess(np.abs(np.linalg.norm(floats[~inside], axis=1) - radius).max(), 0.02 * radius)
-        for wrong, text in (({"slide": "auto"}, "have no place"), ({"only_worse_than": 2}, "have no place"),
-                            ({"onto": planish.Shape(100 * fine, faces)}, "same unit")):
-            with self.assertRaisesRegex(ValueError, text):
-                planish.smooth(first.copy(), cells, **{"onto": other, **wrong})
+        with self.assertRaisesRegex(ValueError, "same unit"):
+            planish.smooth(first.copy(), cells, onto=planish.Shape(100 * fine, faces))
         with planish.Plan(first.copy(), cells) as plan, self.assertRaisesRegex(ValueError, "without onto"):
             plan.fit_distance()
         with planish.Shape(fine, faces) as closed:
@@ -854,6 +867,78 @@ class Surfaces(unittest.TestCase):
             self.assertLess(np.abs(np.linalg.norm(again[~inside], axis=1) - radius).max(), 0.02 * radius)
             self.assertLess(plan.fit_distance(again).in_edges, 0.3)
         self.assertRaisesRegex(ValueError, "the shape is closed", closed.classes)
+
+    def fitted_ball(self):
+        """Points and cells of a ball, and the shape of a finer one around it."""
+        fine, solids, _ = ball(4)
+        points, cells, _ = ball(3)
+        return 0.6 * points, cells, planish.Shape(fine * (3 / 4) * 0.65, solids)
+
+    def test_errors_beside_onto_move_nothing(self):
+        """Options of a run are wrong, the library refuses them, or memory ends: points are where they were."""
+        first, cells, other = self.fitted_ball()
+        points = first.copy()
+        planish.smooth(points, cells, onto=other)
+        self.assertGreater((points != first).any(axis=1).sum(), 50)
+        for wrong in ({"max_sweeps": 2.5}, {"tolerance": 2}, {"objective": "foo"}, {"min_volume": -1}, {"area_weight": 0.5},
+                      {"time_limit": -1}, {"worst_measure": "dihedral"}, {"progress": 5}, {"rounding": -1}):
+            points = first.copy()
+            self.assertRaises((ValueError, TypeError), planish.smooth, points, cells, onto=other, **wrong)
+            np.testing.assert_array_equal(points, first, str(wrong))
+        for where in ("planish._plan.call", "planish._smooth.run_with_layers", "planish.Plan.fit_distance",
+                      "planish._fit.Fit.let_slide"):
+            for points in first.copy(), first[:, ::-1].astype(np.float32)[:, ::-1]:
+                before = points.copy()
+                with mock.patch(where, side_effect=MemoryError), self.assertRaises(MemoryError):
+                    planish.smooth(points, cells, onto=other)
+                np.testing.assert_array_equal(points, before, where)
+        points = first.copy()
+        with mock.patch("planish._plan.call", side_effect=MemoryError), self.assertRaises(MemoryError):
+            planish.Plan(points, cells, onto=other)
+        np.testing.assert_array_equal(points, first)
+
+    def test_options_without_a_place_beside_onto(self):
+        """Options that the program refuses beside --onto are refused, in a run of a plan, too, and nothing moves."""
+        first, cells, other = self.fitted_ball()
+        points = first.copy()
+        of_plan = ({"slide": "auto"}, {"slide": ["wall"]}, {"only_worse_than": 2}, {"around": [1]}, {"surface_of": first})
+        of_run = ({"box": [-1, -1, -1, 1, 1, 1]}, {"max_displacement": 0.01}, {"max_displacement": "0.1h"})
+        for wrong in of_plan + of_run:
+            with self.assertRaisesRegex(ValueError, f"give onto or {list(wrong)[0]}, not both"):
+                planish.smooth(points, cells, onto=other, **wrong)
+        others = ({"method": "laplacian"}, "onto has no effect with method='laplacian'"), (
+            {"surface_tolerance": "0.1h"}, "surface_tolerance has no effect without slide='curved'")
+        for wrong, text in others:
+            with self.assertRaisesRegex(ValueError, text):
+                planish.smooth(points, cells, onto=other, **wrong)
+        np.testing.assert_array_equal(points, first)
+        with planish.Plan(points, cells, onto=other) as plan:
+            for wrong in (*of_run, *(wrong for wrong, _ in others)):
+                self.assertRaises(ValueError, plan.smooth, **wrong)
+
+    def test_progress_beside_onto_may_raise(self):
+        """What progress raises is no error: points stay as good as they have become."""
+        first, cells, other = self.fitted_ball()
+        points = first.copy()
+        with self.assertRaises(ZeroDivisionError):
+            planish.smooth(points, cells, onto=other, progress=lambda _: 1 / 0)
+        with planish.Plan(first.copy(), cells, onto=other) as plan:
+            self.assertEqual((plan.fit.n_off, plan.fit_distance(points).n_unproved), (0, 0))
+            self.assertLess(plan.fit_distance(points).in_edges, 0.3)
+
+    def test_errors_after_a_round_move_nothing(self):
+        """An error in a later step of smooth takes back the steps before."""
+        first, cells, _ = box(3)
+        for where in "planish._smooth.promises_for", "planish._smooth.run_with_layers":
+            points = first.copy()
+
+            def smooth_and_fail(plan, *run):
+                plan.run(None, run[-1])
+                raise MemoryError
+
+            with mock.patch(where, side_effect=smooth_and_fail), self.assertRaises(MemoryError):
+                planish.smooth(points, cells)
+            np.testing.assert_array_equal(points, first)
 
     def test_shapes_are_closed_at_any_time(self):
         """Who closes a shape while nodes slide on it changes nothing."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ctypes import c_void_p
-from typing import Any, Optional
+from typing import Any, Callable, Optional
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,6 +69,7 @@ class Points:
             name: argument of the caller, for messages
         """
         self._check(points, dim, writes, name)
+        self.show: Optional[Callable[[Array], Array]] = None  # for points that are others than these coordinates
         self.points: Array = points[:, :dim]
         self.is_float = points.dtype.itemsize == 4
         self.array = self.points
@@ -89,7 +90,7 @@ class Points:
         if writes and not points.flags.writeable:
             raise ValueError(f"{name} is read-only; give a copy")
         if dim == 2 and is_in_space(points):
-            raise ValueError("triangles must lie in a plane of constant z; smooth and quality take others, as surfaces")
+            raise ValueError("triangles must lie in a plane; smooth and quality take others, as surfaces")
 
     def _fits(self, strides: Optional[tuple[int, int]]) -> bool:
         steps = self.points.strides
@@ -111,6 +112,10 @@ class Points:
         found = self._room(self.strides)
         found[...] = self.array
         return found
+
+    def shown(self, found: Array) -> Array:
+        """Return coordinates [n, dim] as callers have them."""
+        return np.ascontiguousarray(found) if self.show is None else self.show(found)
 
     def write_back(self) -> None:
         """Copy the coordinates back to the caller's array, unless the library has used that array itself."""

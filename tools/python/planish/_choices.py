@@ -104,11 +104,19 @@ def check_chosen(choices: PlanChoices) -> None:
         raise ValueError("rings has no effect without only_worse_than or around")
 
 
+def _refuse_beside_onto(**given: Any) -> None:
+    """Raise ValueError if an option is given that has no place beside onto, as the program refuses them."""
+    for name, is_given in given.items():
+        if is_given:
+            raise ValueError(f"give onto or {name}, not both")
+
+
 def check_plan(choices: PlanChoices) -> None:
     """Raise ValueError if options of a plan exclude each other, or one lacks another."""
     is_sliding, is_curved, _ = choices.slides()
-    if choices.onto is not None and (is_sliding or choices.around is not None or choices.only_worse_than):
-        raise ValueError("onto moves all nodes of the boundary: slide, around and only_worse_than have no place")
+    if choices.onto is not None:
+        _refuse_beside_onto(slide=is_sliding, around=choices.around is not None, only_worse_than=choices.only_worse_than,
+                            surface_of=choices.surface_of is not None)
     is_of_curved = choices.surface_of is not None or choices.slide_interfaces or (
         choices.crease_angle and choices.onto is None)
     if not is_curved and is_of_curved:
@@ -122,6 +130,12 @@ def check_plan(choices: PlanChoices) -> None:
         raise ValueError("give like or size, not both")
     if (choices.size is not None) + (choices.size_from is not None) + choices.keep_sizes > 1:
         raise ValueError("give one of size, size_from and keep_sizes")
+
+
+def check_curved(dim: int, is_curved: bool) -> None:
+    """Raise ValueError if nodes are to slide on curved surfaces in a plane. dim: that of the mesh."""
+    if is_curved and dim == 2:
+        raise ValueError("the mesh lies in a plane, which has no curved surface: use slide='auto'")
 
 
 def size_weight_of(choices: PlanChoices) -> float:
@@ -157,11 +171,21 @@ def length(given: Length, name: str) -> tuple[float, int]:
 
 
 def check_run(run: RunChoices) -> None:
-    """Raise ValueError if an option of a run has no effect without another one."""
+    """Raise ValueError if an option of a run has no effect without another one, and TypeError if progress is none."""
+    if run.progress is not None and not callable(run.progress):
+        raise TypeError(f"progress must be a function, not {type(run.progress).__name__}")
     _number_of("dihedral" if run.worst_measure is None else run.worst_measure, _WORST, "worst_measure")
     for name in ("worst_measure", "worst_rise"):
         if run.objective != "worst" and getattr(run, name) != getattr(RunChoices(), name):
             raise ValueError(f"{name} has no effect without objective='worst'")
+
+
+def check_run_onto(run: RunChoices) -> None:
+    """Raise ValueError if a run of a plan with onto has an option that has no place beside it."""
+    _refuse_beside_onto(box=run.box is not None,
+                        max_displacement=length(run.max_displacement, "max_displacement")[0] != 0)
+    if run.method != "planish":
+        raise ValueError(f"onto has no effect with method={run.method!r}")
 
 
 def _check_objective(run: RunChoices, has_types: bool) -> None:

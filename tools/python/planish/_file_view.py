@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from ctypes import byref, c_double, c_void_p
+from ctypes import byref, c_double, c_int64, c_void_p
 from typing import Any, Mapping, NamedTuple, Optional, Sequence
 
 import numpy as np
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from . import _files
 from ._arrays import Array, Points, pointer
 from ._cell_types import CORNERS, WIDTHS
+from ._elements import Layout
 from ._files import Mesh
 from ._io import hold_of, io, texts_of
 from ._io_structures import Plane
@@ -28,7 +29,7 @@ _ROUND = ctypes.CFUNCTYPE(c_double, c_double, c_void_p)
 
 # Rounding in a field that is wide, and tolerance of a narrow one, of the diagonal.
 _WIDE_FIELD, _OF_NARROW_FIELD = 1e-8, 1e-5
-_OF_OFF = 4  # distance from the middle, in those that rounding takes nodes off a plane
+OF_OFF = 4  # distance from the middle, in those that rounding takes nodes off a plane
 
 
 class FileHolding(NamedTuple):
@@ -72,7 +73,7 @@ class FileView(View):
             return super().places_of(other)
         _check_same(self.source, other)
         if self.dim == 2 and not _are_in_same_plane(self.source.plane(), other.plane()):
-            return _facing_alike(self.source, other)
+            return facing_alike(self.source.layout(), self.source.points, other.points)
         return other.points
 
     def _hold(self, slides: bool, ignores_marks: bool = False) -> tuple[Any, Any]:
@@ -111,7 +112,7 @@ class FileView(View):
         surface: Surface = io("surface")(self.source.handle.file, None)
         tolerance = max(surface.tolerance, _OF_NARROW_FIELD) if self._is_narrow(size) else surface.tolerance
         plane = self.source.plane()
-        off = _OF_OFF * plane.off if plane is not None and self.dim == 2 and plane.is_tilted else 0.0
+        off = OF_OFF * plane.off if plane is not None and self.dim == 2 and plane.is_tilted else 0.0
         rounding = max(tolerance * size, off)
         return rounding if np.isfinite(rounding) else 0.0
 
@@ -126,6 +127,18 @@ class FileView(View):
         """Set in options how the file stores coordinates."""
         info = self.source.info
         options.precision, options.round, options.round_user = info.precision, info.round, info.round_user
+
+    @property
+    def is_tilted(self) -> bool:  # type: ignore[override]
+        """Whether the plane of the mesh is a tilted one."""
+        plane = self.source.plane()
+        return plane is not None and bool(plane.is_tilted)
+
+    def round_in_plane(self, back: NDArray[np.uint8]) -> int:
+        """Round coordinates in a tilted plane to the file's digits. Return the number of nodes that go back."""
+        n = c_int64(0)
+        call(io("round_in_plane"), self.source.handle.file, pointer(self.source.points), pointer(back), byref(n))
+        return n.value
 
     def box(self, numbers: Array) -> tuple[Array, Array]:
         """Return the corners of a box in the file's axes, in their order."""
@@ -231,9 +244,8 @@ def _are_in_same_plane(a: Optional[Plane], b: Optional[Plane]) -> bool:
     return axes[0] == axes[1] and not any(plane is not None and plane.is_tilted for plane in (a, b))
 
 
-def _areas(mesh: Mesh) -> Array:
+def _areas(layout: Layout, x: Array) -> Array:
     """Return twice the areas of the first corners of flat elements."""
-    layout, x = mesh.layout(), mesh.points
     first = layout.offsets[:-1]
     last = np.where(CORNERS[layout.types] == 3, 2, 3)
     a, b, c = x[layout.nodes[first]], x[layout.nodes[first + 1]], x[layout.nodes[first + last]]
@@ -241,10 +253,10 @@ def _areas(mesh: Mesh) -> Array:
     return areas
 
 
-def _facing_alike(mine: Mesh, other: Mesh) -> Array:
-    """Return the coordinates of a flat mesh in another plane, mirrored if most elements show their backs there."""
-    is_alike = (_areas(mine) > 0) == (_areas(other) > 0)
-    return other.points * ((1, 1) if 2 * is_alike.sum() >= len(is_alike) else (1, -1))
+def facing_alike(layout: Layout, mine: Array, other: Array) -> Array:
+    """Return other coordinates [n, 2] of flat elements, mirrored if most of these show their backs there."""
+    is_alike = (_areas(layout, mine) > 0) == (_areas(layout, other) > 0)
+    return other * ((1, 1) if 2 * is_alike.sum() >= len(is_alike) else (1, -1))
 
 
 def view_in_space(source: Mesh, threads: int) -> View:

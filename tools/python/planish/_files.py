@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ._arrays import Array, address, borrow, pointer
 from ._cell_types import KNOWN, WEDGE_OF_MESHIO
 from ._elements import Elements, Layout, corners_of_simplices
-from ._errors import ConversionWarning, FileError, MissingFileError
+from ._errors import ConversionWarning, Error, FileError, MissingFileError
 from ._io import hold_of, io, text_of, texts, texts_of, values_of
 from ._io_structures import ConvertOptions, Data, DataInfo, FileInfo, Group, OpenOptions, Plane, WriteOptions
 from ._library import call, files, threads_to_use
@@ -244,10 +244,16 @@ class Mesh:
     def write_quietly(self, path: Union[str, "os.PathLike[str]"], threads: int) -> str:
         """Write the mesh as write does. Return the list of data that a conversion loses, or an empty text."""
         encoded = text_of(path)
-        if not io("can_write")(self.handle.file, encoded) and io("can_convert")(self.handle.file, encoded):
+        can_write = bool(io("can_write")(self.handle.file, encoded))
+        if not can_write and io("can_convert")(self.handle.file, encoded):
             return self._convert(encoded)
-        call(io("write"), self.handle.file, encoded, pointer(self.points),
-             byref(WriteOptions(threads=threads_to_use(threads))))
+        try:
+            call(io("write"), self.handle.file, encoded, pointer(self.points),
+                 byref(WriteOptions(threads=threads_to_use(threads))))
+        except Error as error:  # for the library a wrong extension is a wrong argument, here an error of the file
+            if can_write or isinstance(error, FileError):
+                raise
+            raise FileError(str(error), error.code) from None
         return ""
 
     @staticmethod

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _targets
 from ._arrays import Points, address, chosen_nodes, pointer, refuse_masked
 from ._choices import (Direction, Fix, Layers, Length, Method, Nodes, Objective, Path, PlanChoices, RunChoices,
-                       Slide, WorstMeasure, check_plan, set_run, size_weight_of)
+                       Slide, WorstMeasure, check_curved, check_plan, check_run_onto, set_run, size_weight_of)
 from ._files import opened
 from ._fit import Fit
 from ._layers import take_layers
@@ -128,7 +128,8 @@ class Plan:
         MemoryError.
 
         Args:
-            points: coordinates, an array [n, 2 or 3] of numpy, or a mesh of planish.read, meshio or PyVista
+            points: coordinates, an array [n, 2 or 3] of numpy, or a mesh of planish.read, meshio or PyVista. Flat
+                elements lie in a plane of constant x, y or z; smooth and quality take other planes and surfaces, too
             cells: an array [m, 3 or 4] of triangles or tetrahedra; or a dict, or pairs, of types and arrays [m, k]:
                 meshio's names ("tetra10") with meshio's order of nodes, or VTK's numbers with VTK's; or a tuple of
                 VTK's arrays, (cells, celltypes) as in PyVista, or (nodes, offsets, types); None with a mesh
@@ -176,13 +177,16 @@ class Plan:
             size_weight=size_weight))
 
     @classmethod
-    def of_choices(cls, source: Source, choices: PlanChoices) -> Plan:
-        """Return the plan of a mesh with its options, for modules of this package."""
+    def of_choices(cls, source: Source, choices: PlanChoices, run: RunChoices) -> Plan:
+        """Return the plan of a mesh with its options, for modules of this package.
+
+        run: options of the run that the plan is for, which are checked before onto moves points.
+        """
         made = cls.__new__(cls)
-        made._setup(source, choices)
+        made._setup(source, choices, run)
         return made
 
-    def _setup(self, source: Source, choices: PlanChoices) -> None:
+    def _setup(self, source: Source, choices: PlanChoices, run: Optional[RunChoices] = None) -> None:
         """Make the plan."""
         check_plan(choices)
         self._plan = c_void_p()
@@ -191,20 +195,39 @@ class Plan:
         self._smoother = 0  # the thread that smooths
         self._process = os.getpid()
         self._fit: Optional[Fit] = None
+        self._has_onto = choices.onto is not None
+        self._start: Optional[NDArray[Any]] = None  # points before onto moved them
+        self._is_stopped = False
         self._view = _view_for(source, choices)
+        if run is None and self._view.is_for_one_run:
+            raise ValueError("the elements lie in a tilted plane, for which there is no Plan: smooth and quality take them")
         self._options = _options_for(self._view, choices)
         self.slides = SlideInfo()
         self.shape: Optional[Shape] = None
         self._find_slides(source, choices)
-        if choices.onto is not None:
-            self._move_onto(source, choices)
         self._choose(choices.around)
+        if choices.onto is None:
+            self._create()
+            return
+        if run is not None:
+            self._set_run(run, Options.from_buffer_copy(self._options))
+        self._start = np.array(self._view.given)
+        try:
+            self._move_onto(source, choices)
+            self._create()
+        except BaseException:
+            self.go_back(self._start)
+            raise
+
+    def _create(self) -> None:
+        """Let the library make the plan."""
         self._view.own_elements()  # the plan reads them as long as it lives
         call(library.planish_plan_create, byref(self._view.mesh), byref(self._options), byref(self._plan))
 
     def _find_slides(self, source: Source, choices: PlanChoices) -> None:
         """Find the nodes that slide, as the option slide says."""
         is_sliding, is_curved, _ = choices.slides()
+        check_curved(self._view.dim, is_curved)
         if is_curved:
             self.shape = shape_for(source, opened(choices.surface_of), choices.regions, choices.crease_angle, choices.threads)
             self._options.shape = self.shape.pointer().value
@@ -231,6 +254,15 @@ class Plan:
             self._fit = Fit(self._view, own, onto, self._options)
         self._fit.move(self._options)
         self._fit.let_slide(self._options)
+
+    def start(self) -> NDArray[Any]:
+        """Return the points where they were given, before onto moved them, for modules of this package."""
+        return np.array(self._view.given) if self._start is None else self._start
+
+    def go_back(self, start: NDArray[Any]) -> None:
+        """Set the points to start after an error, for modules of this package. What progress raises is none."""
+        if not self._is_stopped and self._view.given.flags.writeable:
+            self._view.given[...] = start
 
     def _choose(self, around: Any) -> None:
         """Choose the nodes that move."""
@@ -298,7 +330,8 @@ class Plan:
             raise RuntimeError("the plan was made before this process was forked, and may have threads that "
                                "are not here; make it with threads=1, or another one here")
         points = self._view.given if points is None else getattr(points, "points", points)
-        taken = Points(points, self._view.dim, self._view.points.strides, writes)
+        taken = Points(self._view.in_plane(points), self._view.dim, self._view.points.strides, writes)
+        taken.show = self._view.shown
         if len(points) != self._view.n:
             raise ValueError(f"points has {len(points)} rows, but the plan is for {self._view.n}")
         return taken
@@ -435,13 +468,20 @@ class Plan:
             self._plan = c_void_p()
             call(library.planish_plan_create, byref(self._view.mesh), byref(self._options), byref(self._plan))
 
+    def _set_run(self, choices: RunChoices, options: Options) -> None:
+        """Check the options of a run, and set them in options."""
+        if self._has_onto:
+            check_run_onto(choices)
+        if choices.surface_tolerance != 0 and self.shape is None:
+            raise ValueError("surface_tolerance has no effect without slide='curved'")
+        set_run(choices, options, self._view, self._view.has_types())
+
     def run(self, points: Any, choices: RunChoices) -> Result:
         """Smooth the mesh in place, with options of one run, for modules of this package."""
         options, result = self._options, Result()
-        if choices.surface_tolerance != 0 and self.shape is None and self._fit is None:
-            raise ValueError("surface_tolerance has no effect without slide='curved'")
         with self._use():  # the options, too, are those of who smooths
-            set_run(choices, options, self._view, self._view.has_types())
+            self._is_stopped = False
+            self._set_run(choices, options)
             taken = self._coordinates(points, writes=True)
             self._view.set_storage(options, taken)
             shape = None if self.shape is None else self.shape.handle()  # progress may close it
@@ -450,10 +490,12 @@ class Plan:
             def work() -> None:
                 call(library.planish_smooth, self._plan, pointer(taken.array), byref(options), byref(result))
                 taken.write_back()
+                self._is_stopped = True  # if now anything is raised, progress did it
 
             self._smoother = threading.get_ident()
             try:
                 watched(options, choices.progress, taken, work)
+                self._is_stopped = False
             finally:
                 self._smoother = 0
         return result

@@ -1,26 +1,25 @@
-"""Promises in tilted planes: nodes go back where rounding to the file's digits breaks a promise of smoothing.
+"""Promises in tilted planes: nodes go back where rounding to stored digits breaks a promise of smoothing.
 
-In a tilted plane coordinates are not those of the file, so that the library cannot round them. This module rounds them.
+In a tilted plane coordinates are not those that are stored: this module rounds them, as the library cannot.
 As in the program, nodes go back if their elements are then inverted, or worse than promised.
 """
 
 from __future__ import annotations
 
-from ctypes import byref, c_double, c_int64
+from ctypes import byref, c_double
 from typing import NamedTuple, Optional
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ._arrays import address, pointer
+from ._arrays import address
 from ._cell_types import CORNERS
 from ._choices import PlanChoices, RunChoices
-from ._file_view import FileView
-from ._io import io
 from ._library import call, library, threads_to_use
 from ._plan import Plan
 from ._results import CellMeasures, CellQuality, Quality, Result
 from ._structures import CellValueArrays
+from ._view import View
 
 _ROUNDS = 20  # then all nodes go back
 _ROUNDING = 1e-12  # relative, of sums over the same elements; of scaled Jacobians
@@ -39,7 +38,7 @@ class _State(NamedTuple):
 class Promises:
     """Promises for a mesh in a tilted plane, and its measures before smoothing."""
 
-    def __init__(self, plan: Plan, view: FileView, choices: PlanChoices, run: RunChoices) -> None:
+    def __init__(self, plan: Plan, view: View, choices: PlanChoices, run: RunChoices) -> None:
         """Measure the mesh."""
         self.plan, self.view, self.run = plan, view, run
         self.has_types = view.has_types()
@@ -115,13 +114,10 @@ class Promises:
         back[nodes] = 1
 
     def keep(self, result: Result) -> None:
-        """Round the points to the digits of the file, and put nodes back where that breaks a promise."""
+        """Round the points to the digits that are stored, and put nodes back where that breaks a promise."""
         back = np.zeros(self.view.n, dtype=np.uint8)
         for turn in range(_ROUNDS + 2):
-            n = c_int64(0)
-            call(io("round_in_plane"), self.view.source.handle.file, pointer(self.view.source.points), pointer(back),
-                 byref(n))
-            result.n_moved_nodes -= n.value
+            result.n_moved_nodes -= self.view.round_in_plane(back)
             after = self._measure()
             if not self._is_broken(after, result):
                 return
@@ -132,7 +128,4 @@ class Promises:
 
 def promises_for(plan: Plan, choices: PlanChoices, run: RunChoices) -> Optional[Promises]:
     """Return the promises to keep after smoothing a mesh; None: the library keeps them."""
-    view = plan.view
-    plane = view.source.plane() if isinstance(view, FileView) else None
-    is_tilted = plane is not None and bool(plane.is_tilted)
-    return Promises(plan, view, choices, run) if isinstance(view, FileView) and is_tilted else None
+    return Promises(plan, plan.view, choices, run) if plan.view.is_tilted else None

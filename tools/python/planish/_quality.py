@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from . import _layers, _targets, _values
 from ._arrays import pointer
-from ._choices import Fix, PlanChoices
+from ._choices import Fix, PlanChoices, check_curved
 from ._files import opened
 from ._library import call, library, new_options, threads_to_use
 from ._regions import BY_RULE
@@ -99,6 +99,7 @@ def find_slides(points: Any, cells: Any = None, *, fix: Optional[Fix] = None, re
     """
     source = Source(points, cells)
     view = view_of(source, Holding(fix, regions, True), threads)
+    check_curved(view.dim, surface_of is not None)
     shape = None if surface_of is None else shape_for(source, opened(surface_of), regions, 0, threads)
     surface = view.surface()
     surface.slide_interfaces = bool(slide_interfaces)

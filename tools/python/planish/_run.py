@@ -41,7 +41,7 @@ class Progress(ProgressFields):
             raise ValueError("points are known only while progress is called, where sweep_done is not 0")
         found = self._start.copy()
         call(library.planish_progress_get_coordinates, self._seen, pointer(found))
-        return np.ascontiguousarray(found)
+        return self._start.shown(found)
 
 
 class _Watch:

@@ -67,7 +67,8 @@ def smooth(
     MemoryError. Points then keep their values, except after an exception of progress.
 
     Args:
-        points: coordinates, an array [n, 2 or 3] of numpy, or a mesh of planish.read, meshio or PyVista
+        points: coordinates, an array [n, 2 or 3] of numpy, or a mesh of planish.read, meshio or PyVista. The boundary
+            of flat elements in any plane stays; in no plane they are a surface in space (docs/surfaces.md)
         cells: arrays of nodes, as for Plan; None with a mesh
         fix: nodes to hold besides those of the boundary: numbers, a mask, or names of groups of the mesh
         min_volume: minimum volume (area) of every element, 0: any positive volume; or of each element, as for Plan
@@ -139,11 +140,24 @@ def _smooth(source: Source, choices: PlanChoices, run: RunChoices) -> Result:
     surface = SpaceSurface.of(source, choices)
     if surface is not None:
         return surface.run(source, choices, run)
-    with Plan.of_choices(source, layers_of_smooth(choices, run)) as plan:
-        promises = promises_for(plan, choices, run)
-        result = run_with_layers(plan, run)
-        if promises is not None:
-            promises.keep(result)
-        if plan.fit is not None:
-            result.fit, result.fit_distance = plan.fit, plan.fit_distance()
-        return result
+    with Plan.of_choices(source, layers_of_smooth(choices, run), run) as plan:
+        plan.view.check_writable()
+        start = plan.start()
+        try:
+            return _smooth_by(plan, choices, run)
+        except BaseException:
+            plan.go_back(start)
+            raise
+        finally:
+            plan.view.finish()
+
+
+def _smooth_by(plan: Plan, choices: PlanChoices, run: RunChoices) -> Result:
+    """Smooth the mesh of a plan in all steps."""
+    promises = promises_for(plan, choices, run)
+    result = run_with_layers(plan, run)
+    if promises is not None:
+        promises.keep(result)
+    if plan.fit is not None:
+        result.fit, result.fit_distance = plan.fit, plan.fit_distance()
+    return result

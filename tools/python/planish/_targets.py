@@ -35,6 +35,8 @@ def take_size(view: View, size: Any) -> None:
     if values.shape == (view.n,):
         view.give("size", values)
         return
+    if view.has_own_axes:
+        raise ValueError("size must have a number for each point, as matrices are for a plane of constant z")
     if values.shape != (view.n, dim, dim):
         raise ValueError(f"size must have a number or a {dim} x {dim} matrix for each of {view.n} points, not the "
                          f"shape {values.shape}")

@@ -20,7 +20,15 @@ _FIXED = 1  # planish_constraint
 
 
 class View:
-    """A mesh of arrays, or of a file (a subclass)."""
+    """A mesh of arrays, or of a file (a subclass).
+
+    has_own_axes: coordinates are not the first columns of the points. is_tilted: they are of a frame, and the library
+    cannot round them as the points are stored. is_for_one_run: finish has to follow each run.
+    """
+
+    has_own_axes = False
+    is_tilted = False
+    is_for_one_run = False
 
     def __init__(self, given: Any, elements: Elements, dim: int, threads: int) -> None:
         """Take points [n, dim or more]; dim is 3 for flat elements in space."""
@@ -106,12 +114,34 @@ class View:
         """Return how far a straight edge's mid may be off the middle. wanted None: what floats leave, as in files."""
         if wanted is not None or not self.points.is_float or not self.n:
             return wanted or 0.0
-        at = self.points.array
+        return self.rounding_of_floats(self.points.array)
+
+    @staticmethod
+    def rounding_of_floats(at: Array) -> float:
+        """Return how far floats at places [n, dim] may be off."""
         return max(1e-6 * float(np.linalg.norm(np.ptp(at, axis=0))), 2.0**-22 * float(np.abs(at).max()))
 
     def set_storage(self, options: Options, taken: Points) -> None:
         """Set in options the type in which coordinates are stored in the end."""
         options.precision = _FLOATS if taken.is_float else _DOUBLES
+
+    def in_plane(self, points: Any) -> Any:
+        """Return the coordinates of other points of the mesh."""
+        return points
+
+    def shown(self, found: Array) -> Array:
+        """Return the points for coordinates [n, dim], as callers have them."""
+        return np.ascontiguousarray(found)
+
+    def check_writable(self) -> None:
+        """Raise ValueError if finish could not write."""
+
+    def finish(self) -> None:
+        """Set the caller's points, if they are others than those that were smoothed."""
+
+    def round_in_plane(self, _back: NDArray[np.uint8]) -> int:
+        """Round coordinates in a tilted plane to what the points hold. Return the number of nodes that go back."""
+        return 0
 
     def box(self, numbers: Array) -> tuple[Array, Array]:
         """Return the lower and upper corner [dim] of a box of 2 dim numbers."""

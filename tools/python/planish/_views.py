@@ -13,6 +13,8 @@ from ._elements import Elements, elements_of
 from ._file_view import FileHolding, FileView, view_in_space
 from ._files import Mesh
 from ._groups import data_of_points, names_in, nodes_to_fix
+from ._plane_views import view_in_plane
+from ._planes import Plane, find_plane
 from ._regions import BY_RULE, names_of, take_regions
 from ._view import View
 
@@ -34,6 +36,21 @@ class Source:
     def array(self) -> Any:
         """Coordinates of the points."""
         return self.points if self.cells is not None else getattr(self.points, "points", self.points)
+
+    @functools.cached_property
+    def has_flat_elements_in_space(self) -> bool:
+        """Whether this is no file, and flat elements have points in no plane of constant z."""
+        points, cells = self.array, self.cells
+        if isinstance(self.points, Mesh) or not isinstance(points, np.ndarray) or not is_in_space(points):
+            return False
+        if cells is not None and not is_by_type(cells) and np.ndim(cells) == 2 and np.shape(cells)[1] != 3:
+            return False  # as quickly as that, as most are tetrahedra
+        return self.elements.dim == 2
+
+    @functools.cached_property
+    def plane(self) -> Optional[Plane]:
+        """Plane of flat elements whose points are in space; None: they lie in none, or in one of constant z."""
+        return find_plane(self.array, self.elements) if self.has_flat_elements_in_space else None
 
 
 class Holding(NamedTuple):
@@ -59,7 +76,8 @@ def _of_elements(source: Source, elements: Elements, holding: Holding, threads: 
     if holding.slide_groups:
         raise ValueError(f"slide must be auto, curved, none or None, not {', '.join(holding.slide_groups)}: groups are "
                          "for meshes of planish.read")
-    view = View(source.array, elements, elements.dim, threads)
+    view = (View(source.array, elements, elements.dim, threads) if source.plane is None
+            else view_in_plane(source.array, elements, source.plane, threads))
     view.point_data = data_of_points(source.points)
     _hold(view, source, holding)
     take_regions(view, holding.regions, not holding.slides)
@@ -89,17 +107,11 @@ def view_of(source: Source, holding: Holding, threads: int) -> View:
 
 def surface_in_space(source: Source, holding: Holding, threads: int) -> Optional[View]:
     """Return the view of a surface in space: flat elements in no common plane. None: the mesh is another one."""
-    points, cells = source.array, source.cells
     if isinstance(source.points, Mesh):
         return _of_file(source.points, holding, threads) if source.points.is_in_space else None
-    if not isinstance(points, np.ndarray) or not is_in_space(points):
+    if not source.has_flat_elements_in_space or source.plane is not None:
         return None
-    if cells is not None and not is_by_type(cells) and np.ndim(cells) == 2 and np.shape(cells)[1] != 3:
-        return None  # as quickly as that, as most are tetrahedra
-    elements = source.elements
-    if elements.dim != 2:
-        return None
-    view = View(points, elements, 3, threads)
+    view = View(source.array, source.elements, 3, threads)
     view.fix(np.zeros(0, dtype=np.int64))
     _hold(view, source, Holding(holding.fix))
     take_regions(view, holding.regions, False)

@@ -40,7 +40,6 @@ Array = NDArray[Any]
 
 _HIGHEST_ORDER = 2
 _MOST_NUMBERS_PER_NODE = 8  # that a table of all numbers is made for
-_NOISE_OF_PLANES = 1e-8  # of the longer side, as in files
 
 # Types by Gmsh's number: the number that planish has for it (VTK's), and where VTK's nodes stand in Gmsh's order.
 _EDGES_OF_HEXAHEDRON = [8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15]
@@ -136,14 +135,6 @@ class _Mesh:
                              f"dim is {dim}, but the mesh has no elements of that dimension")
         self.dim = highest
 
-    def given(self) -> Any:
-        """Return the mesh for planish: itself, or in a plane of constant x or y that of the other two coordinates."""
-        extent = np.ptp(self.points, axis=0)
-        across = [axis for axis in (2, 0, 1) if extent[axis] <= _NOISE_OF_PLANES * extent.max()]
-        if self.dim == 2 and across and across[0] != 2:
-            return _InPlane(self, [axis for axis in range(3) if axis != across[0]])
-        return self
-
     def periodic(self) -> Array:
         """Return the indices of the nodes on periodic entities and of their partners."""
         found = [np.zeros(0, dtype=np.int64)]
@@ -153,14 +144,6 @@ class _Mesh:
                 if master != tag:
                     found += [self.index(tags), self.index(masters)]
         return np.concatenate(found)
-
-
-class _InPlane:
-    """A mesh in a plane of constant x or y: points [n, 2]."""
-
-    def __init__(self, mesh: _Mesh, columns: list[int]) -> None:
-        self.points, self.columns = mesh.points[:, columns].copy(), columns
-        self.cells, self.cell_data = mesh.cells, mesh.cell_data
 
 
 def _region(dim: int, tag: int) -> Optional[int]:
@@ -232,11 +215,10 @@ def _nodes_to_fix(mesh: _Mesh, fix: Any) -> Array:
     return _chosen_nodes(mesh, fix, "fix")
 
 
-def _translated(mesh: _Mesh, given: Any, options: dict[str, Any]) -> dict[str, Any]:
-    """Return the options of planish.smooth for the mesh given.
+def _translated(mesh: _Mesh, options: dict[str, Any]) -> dict[str, Any]:
+    """Return the options of planish.smooth for a mesh.
 
-    Names and numbers of Gmsh's become indices of nodes. Periodic nodes are added to fix. Coordinates become those in
-    the plane.
+    Names and numbers of Gmsh's become indices of nodes. Periodic nodes are added to fix.
     """
     options = dict(options)
     held = mesh.periodic()
@@ -245,10 +227,6 @@ def _translated(mesh: _Mesh, given: Any, options: dict[str, Any]) -> dict[str, A
     options["fix"] = np.unique(held)
     if options.get("around") is not None:
         options["around"] = _chosen_nodes(mesh, options["around"], "around")
-    for name in ("like", "start") if isinstance(given, _InPlane) else ():
-        places = options.get(name)
-        if places is not None and np.shape(places)[1:] == (3,):
-            options[name] = np.asarray(places)[:, given.columns]
     return options
 
 
@@ -336,10 +314,8 @@ def smooth(model: Optional[str] = None, dim: Optional[int] = None, **options: An
     """
     with _Current(model):
         mesh = _Mesh(dim)
-        before, given = mesh.points.copy(), mesh.given()
-        result = planish.smooth(given, **_translated(mesh, given, options))
-        if given is not mesh:
-            mesh.points[:, given.columns] = given.points
+        before = mesh.points.copy()
+        result = planish.smooth(mesh, **_translated(mesh, options))
         _write_nodes(mesh, before)
     return result
 
@@ -356,8 +332,7 @@ def quality(model: Optional[str] = None, dim: Optional[int] = None, **options: A
     """
     with _Current(model):
         mesh = _Mesh(dim)
-        given = mesh.given()
-        found = planish.quality(given, **_translated(mesh, given, options))
+        found = planish.quality(mesh, **_translated(mesh, options))
         if found.elements is not None:
             tags = np.concatenate([block.tags for block in mesh.cells])
             found.elements = found.elements._replace(number=tags[found.elements.number])

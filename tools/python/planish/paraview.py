@@ -35,6 +35,8 @@ except ImportError as _failure:
                       "use ParaView's pvpython") from _failure
 
 import planish
+from planish._choices import PlanChoices, RunChoices
+from planish._views import Source
 
 try:
     from paraview.util.vtkAlgorithm import smdomain, smproperty, smproxy  # type: ignore[import]
@@ -313,27 +315,19 @@ class Smooth(VTKPythonAlgorithmBase):
         return bool(self.GetAbortExecute())
 
 
-_LOWEST_SOLID, _FLAT = 10, (22, 23, 28)  # VTK's numbers: solids from the one on, but for the flat ones
-_NOISE_OF_PLANES = 1e-6  # of the longer side: of floats
 _CORNER, _FIXED = 3, 1  # of planish.Shape.classes and planish.Slides.constraint
-
-
-def _is_surface_in_space(mesh: _Mesh) -> bool:
-    """Whether a mesh has no solids and lies in no plane of constant z."""
-    is_solid = (mesh.celltypes >= _LOWEST_SOLID) & ~np.isin(mesh.celltypes, (21, *_FLAT))
-    extent = np.ptp(mesh.points, axis=0)
-    return not is_solid.any() and extent[2] > _NOISE_OF_PLANES * extent.max()
 
 
 def _fixed_points(mesh: _Mesh, held: dict[str, Any], options: dict[str, Any]) -> Array:
     """Return a mask [n] of the points that cannot move."""
     crease_angle = {"crease_angle": options.get("crease_angle", 0)}
-    if _is_surface_in_space(mesh):
+    source = Source(mesh, None)
+    if source.has_flat_elements_in_space and source.plane is None:
         with planish.Shape(mesh, **crease_angle) as shape:
             is_fixed = shape.classes() == _CORNER
         return is_fixed if held["fix"] is None else is_fixed | held["fix"]
     if "slide" not in options:
-        with planish.Plan(mesh, **held) as plan:
+        with planish.Plan.of_choices(source, PlanChoices(**held), RunChoices()) as plan:
             return ~plan.free()
     if options["slide"] == "auto":
         return planish.find_slides(mesh, **held).constraint == _FIXED
