@@ -195,11 +195,16 @@ class Plan:
         self.slides = SlideInfo()
         self.shape: Optional[Shape] = None
         self._find_slides(source, choices)
+        needs_start = choices.onto is not None and self._view.has_targets and not self._view.mesh.reference
+        if needs_start:  # sizes and layers are those of the points before they move
+            _targets.take_places(self._view, self._view.points.array.copy(), "points")
         if choices.onto is not None:
             self._move_onto(source, choices)
         self._choose(choices.around)
         self._view.own_elements()  # the plan reads them as long as it lives
         call(library.planish_plan_create, byref(self._view.mesh), byref(self._options), byref(self._plan))
+        if needs_start:
+            self._view.give("reference", None)
 
     def _find_slides(self, source: Source, choices: PlanChoices) -> None:
         """Find the nodes that slide, as the option slide says."""
