@@ -175,9 +175,11 @@ static void take_size_weight(pl_arguments *arguments) {
         *weight = pl_arguments_have_sizes(arguments) ? WEIGHT_OF_SIZES : 0;
 }
 
+enum { NO_NAME = -1 }; /* getopt has read a letter */
+
 int pl_arguments_parse(pl_arguments *arguments, pl_command command, int argc, char **argv) {
     memset(arguments, 0, sizeof *arguments);
-    arguments->command = command;
+    arguments->command = arguments->typed = command;
     planish_options_init(&arguments->library);
     arguments->library.size_weight = NOT_GIVEN;
     int status = make_room(arguments, argc);
