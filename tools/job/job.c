@@ -315,15 +315,20 @@ static int check_measures(pl_job *job) {
     return 0;
 }
 
-/** Refuse options for curved surfaces where no node slides on one. */
+/** Refuse options for curved surfaces where no node slides on one, and quality looks at none. */
 static int check_curved(const pl_job *job) {
     const pl_arguments *arguments = job->arguments;
     const int is_of_onto = arguments->onto && arguments->of_curved &&
                            strcmp(arguments->of_curved, "crease-angle") == 0;
+    if (arguments->command == PL_COMMAND_QUALITY && arguments->of_curved && !job->is_surface &&
+        !arguments->surface_of && !arguments->report && arguments->n_inputs == 1)
+        return pl_complain_usage(pl_command_name(arguments->typed),
+                                 "--%s has no effect without --surface-of or --report",
+                                 arguments->of_curved);
     if (!arguments->of_curved || arguments->slide_curved || is_of_onto || job->is_surface ||
         arguments->command != PL_COMMAND_SMOOTH)
         return 0;
-    return pl_complain_usage(pl_command_name(arguments->command),
+    return pl_complain_usage(pl_command_name(arguments->typed),
                              "--%s has no effect without --slide curved", arguments->of_curved);
 }
 
