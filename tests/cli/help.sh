@@ -205,5 +205,8 @@ expect_status 0 "$program" help help
 grep -q "^Usage: planish COMMAND" out || fail "help of help"
 mistyped "no result is named" report
 mistyped "unexpected argument 'b.json': give one result" report a.json b.json
+mistyped "unexpected argument 'c.msh': give BEFORE and AFTER" compare a.msh b.msh c.msh
+mistyped "unexpected argument 'c.vtk': give IN and OUT" convert a.msh b.vtk c.vtk
+mistyped "unexpected argument 'b.vtk': give one mesh file" convert a.msh b.vtk -o c.vtk
 mistyped "unexpected argument 'b.msh': to smooth several meshes, give --output-dir DIR or --in-place" smooth a.msh b.msh c.msh
 finish

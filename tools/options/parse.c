@@ -130,8 +130,9 @@ static int takes_many(const pl_arguments *arguments, const pl_command_text *comm
     return command->takes_many || arguments->in_place || arguments->output_dir;
 }
 
+/** Message for operands that are too many: the second one, and the third or NULL. */
 static int complain_of_many(const pl_arguments *arguments, const pl_command_text *command,
-                            const char *second) {
+                            const char *second, const char *third) {
     if (command->takes_output && !arguments->output && !second[0])
         return pl_complain_usage(command->name, "the name of the %s file is empty",
                                  arguments->command == PL_COMMAND_COMPARE ? "second mesh"
@@ -141,6 +142,10 @@ static int complain_of_many(const pl_arguments *arguments, const pl_command_text
                                  "unexpected argument '%s': to smooth several meshes, give "
                                  "--output-dir DIR or --in-place",
                                  second);
+    if (command->takes_output && !arguments->output)
+        return pl_complain_usage(command->name, "unexpected argument '%s': give %s", third,
+                                 arguments->command == PL_COMMAND_COMPARE ? "BEFORE and AFTER"
+                                                                          : "IN and OUT");
     return pl_complain_usage(command->name, "unexpected argument '%s': give one %s", second,
                              command->operand);
 }
@@ -155,7 +160,8 @@ static int take_operands(pl_arguments *arguments, int argc, char **argv) {
         arguments->output = argv[--argc];
         arguments->output_is_operand = 1;
     } else if (n > 1 && !takes_many(arguments, command)) {
-        return complain_of_many(arguments, command, argv[optind + 1]);
+        return complain_of_many(arguments, command, argv[optind + 1],
+                                n > 2 ? argv[optind + 2] : NULL);
     }
     for (int i = optind; i < argc; i++) {
         if (argv[i][0] == '\0')
