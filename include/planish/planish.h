@@ -622,7 +622,7 @@ typedef enum planish_isa {
 } planish_isa;
 
 typedef struct planish_progress {
-    int sweep;      /* sweeps begun so far, from 1 */
+    int sweep;      /* sweeps begun so far, from 1; 0 in calls before the first: colour is 0 */
     int colour;     /* colours done in this sweep, 1 .. n_colours; where untangling moves many nodes
                        together it stays n_colours for many calls; 0: between two sweeps */
     int n_colours;  /* colours of the plan */
