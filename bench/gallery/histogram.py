@@ -9,7 +9,7 @@ HEIGHT, AXIS = 220, 46   # of the bars, and of the axis below
 LEAST = 0.5              # elements at the foot of a bar, as the axis is logarithmic
 COMMANDS = """gmsh -2 bench/plate.geo -setnumber h 0.3 -string "Mesh.Algorithm=5;Mesh.Smoothing=0;" -format msh41 -o tri.msh
 planish smooth tri.msh mean.msh --slide auto
-planish smooth tri.msh best.msh --best"""
+planish smooth tri.msh finest.msh --best"""
 
 
 def bars(histogram, x, width, most):

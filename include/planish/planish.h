@@ -229,7 +229,7 @@ typedef struct planish_mesh {
        regular. The target of each element is its shape there; its place, rotation and size do not
        matter (planish_options.size_weight makes sizes count). All elements are then measured by mean
        ratios, as with cells of several types: mu is that of T = A W^-1, where A and W are the edges
-       of a corner here and there (docs/targets.md). Only planish_plan_create, planish_measure_cells,
+       of a corner here and there (docs/targets.md). Only calls that make a plan, planish_measure_cells,
        planish_measure_layers and planish_measure_sizes read this array. Every corner of a smoothed element
        must be positive there. Not possible with part or periodic. */
     const double *reference;
@@ -246,11 +246,11 @@ typedef struct planish_mesh {
        coordinates). NULL: sizes do not count. Sizes are linear between the nodes, and follow the place
        of an element while it moves. Elements should be regular, with these sizes relative to one
        another: one factor scales all sizes so that the domain would hold the number of elements that it
-       has (docs/targets.md). planish_options.size_weight says how much sizes count; it must be above 0.
-       Only planish_plan_create and planish_measure_sizes read this array. planish_measure compares with
-       the sizes at the places that elements had when the plan was made, or after the plan's last
-       smoothing. Sizes are positive and finite, and none is larger than 1e12 times another. Not with
-       is_layer, part, or periodic. */
+       has (docs/targets.md). planish_options.size_weight says how much sizes count; it must be above 0 in
+       planish_plan_create and planish_fit_move, and with 0 planish_measure_mesh ignores size and reference.
+       Beside these only planish_measure_sizes reads this array. planish_measure compares with the sizes at
+       the places that elements had when the plan was made, or after the plan's last smoothing. Sizes are
+       positive and finite, none larger than 1e12 times another. Not with is_layer, part, or periodic. */
     const double *size;
     /* [n_nodes][dim (dim + 1) / 2] or NULL: like size, but lengths depend on the direction. An edge e
        should have e^T M e = 1, where M is the symmetric matrix m11, m12, m22, m13, m23, m33 of the
@@ -622,7 +622,7 @@ typedef enum planish_isa {
 } planish_isa;
 
 typedef struct planish_progress {
-    int sweep;      /* sweeps begun so far, from 1 */
+    int sweep;      /* sweeps begun so far, from 1; 0 in calls before the first: colour is 0 */
     int colour;     /* colours done in this sweep, 1 .. n_colours; where untangling moves many nodes
                        together it stays n_colours for many calls; 0: between two sweeps */
     int n_colours;  /* colours of the plan */

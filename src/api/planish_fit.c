@@ -335,6 +335,8 @@ static int take(moving *m, const double *coordinates, planish_error *error) {
     pl_fit_stay(m->fit, &points);
     constrain(m->fit, 1, m->constraint);
     m->mesh.constraint = m->constraint;
+    if (pl_has_targets(mesh) && !mesh->reference) /* the plan is made of nodes that have moved */
+        m->mesh.reference = mesh->coordinates;
     m->mesh.coordinates = m->coordinates;
     return PLANISH_OK;
 }

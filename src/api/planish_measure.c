@@ -135,7 +135,12 @@ int planish_measure_mesh(const planish_mesh *mesh, const planish_options *option
     planish_plan *plan = NULL;
     if (!mesh || !quality)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "mesh and quality must not be NULL");
-    int status = planish_plan_create(mesh, options, &plan, error);
+    planish_mesh measured = *mesh;
+    if (mesh->size && !mesh->metric && !mesh->is_layer && !(options && options->size_weight > 0)) {
+        measured.size = NULL; /* which does not count: a plan would refuse it */
+        measured.reference = NULL;
+    }
+    int status = planish_plan_create(&measured, options, &plan, error);
     if (!status)
         status = planish_measure(plan, mesh->coordinates, quality, error);
     planish_plan_destroy(plan);

@@ -10,6 +10,7 @@
 #include "base/status.h"
 #include "geometry/arc_cosine.h"
 #include "topology/cells.h"
+#include "topology/no_node.h"
 #include "topology/points.h"
 #include "topology/topology.h"
 
@@ -293,14 +294,15 @@ int planish_find_interfaces(const planish_mesh *mesh, const int32_t *region, int
 /** Whether nodes [n] are those of the mesh. */
 static int check_nodes(const planish_mesh *mesh, const int32_t *nodes, int64_t n, const char *what,
                        planish_error *error) {
+    char there[PL_NODES_TEXT];
     if (n > 0 && !nodes)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "surface.%s must not be NULL", what);
     for (int64_t i = 0; i < n; i++)
         if (nodes[i] < 0 || nodes[i] >= mesh->n_nodes)
             return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, nodes[i],
                               "surface.%s has the node %" PRId32 " at %" PRId64
-                              ", but the mesh has the nodes 0 to %" PRId64,
-                              what, nodes[i], i, mesh->n_nodes - 1);
+                              ", but the mesh has %s",
+                              what, nodes[i], i, pl_nodes_there(mesh->n_nodes, there));
     return PLANISH_OK;
 }
 

@@ -7,6 +7,7 @@
 #include "base/parallel.h"
 #include "base/status.h"
 #include "topology/cells.h"
+#include "topology/no_node.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -61,6 +62,7 @@ static int narrow(pl_draft *d, const planish_mesh *mesh, pl_scope scope, planish
 
 static int check_around(const planish_mesh *mesh, const planish_options *options,
                         planish_error *error) {
+    char there[PL_NODES_TEXT];
     if (options->n_around < 1)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "options.n_around is %" PRId64 "; give at least one node",
@@ -78,8 +80,8 @@ static int check_around(const planish_mesh *mesh, const planish_options *options
         if (options->around[i] < 0 || options->around[i] >= mesh->n_nodes)
             return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, options->around[i],
                               "options.around[%" PRId64 "] is node %" PRId64
-                              ", but the mesh has the nodes 0 to %" PRId64,
-                              i, options->around[i], mesh->n_nodes - 1);
+                              ", but the mesh has %s",
+                              i, options->around[i], pl_nodes_there(mesh->n_nodes, there));
     return PLANISH_OK;
 }
 

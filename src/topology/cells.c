@@ -51,6 +51,7 @@ static int check_cell(const planish_cells *cells, int64_t n_nodes, int64_t eleme
     const int64_t given = cells->offset[element + 1] - cells->offset[element];
     const pl_cell_type *of = pl_cell_type_of(type);
     const int32_t *node = cells->node + cells->offset[element];
+    char there[PL_NODES_TEXT];
     if (n < 0)
         return pl_fail_at(error, PLANISH_ERROR_MESH, element, -1,
                           "element %" PRId64
@@ -67,9 +68,10 @@ static int check_cell(const planish_cells *cells, int64_t n_nodes, int64_t eleme
             continue;
         if (node[i] < 0 || node[i] >= n_nodes)
             return pl_fail_at(error, PLANISH_ERROR_MESH, element, node[i],
-                              "element %" PRId64 " has node %" PRId32 ", but the mesh has the "
-                              "nodes 0 to %" PRId64 "; correct the element%s",
-                              element, node[i], n_nodes - 1, pl_no_node_hint(node[i], n_nodes));
+                              "element %" PRId64 " has node %" PRId32
+                              ", but the mesh has %s; correct the element%s",
+                              element, node[i], pl_nodes_there(n_nodes, there),
+                              pl_no_node_hint(node[i], n_nodes));
         for (int j = 0; is_simplex(of) && j < i; j++)
             if (node[i] == node[j])
                 return pl_fail_at(error, PLANISH_ERROR_MESH, element, node[i],

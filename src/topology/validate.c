@@ -73,13 +73,14 @@ const planish_mesh *pl_drop_targets(const planish_mesh *mesh, planish_mesh *copy
 
 int pl_check_element(const planish_mesh *mesh, int64_t element, planish_error *error) {
     int64_t node[4];
+    char there[PL_NODES_TEXT];
     for (int i = 0; i <= mesh->dim; i++) {
         node[i] = pl_corner(mesh, element, i);
         if (node[i] < 0 || node[i] >= mesh->n_nodes)
             return pl_fail_at(error, PLANISH_ERROR_MESH, element, node[i],
-                              "element %" PRId64 " has node %" PRId64 ", but the mesh has the "
-                              "nodes 0 to %" PRId64 "; correct the element%s",
-                              element, node[i], mesh->n_nodes - 1,
+                              "element %" PRId64 " has node %" PRId64
+                              ", but the mesh has %s; correct the element%s",
+                              element, node[i], pl_nodes_there(mesh->n_nodes, there),
                               pl_no_node_hint(node[i], mesh->n_nodes));
         for (int j = 0; j < i; j++)
             if (node[i] == node[j])

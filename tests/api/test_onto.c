@@ -493,6 +493,40 @@ static void test_threads(void **state) {
     }
 }
 
+/** Sizes are those of the mesh before it was fitted, whether reference says so or not. */
+static void test_sizes(void **state) {
+    (void)state;
+    block b;
+    block_target fine;
+    planish_fit *f;
+    planish_error error = {.text = ""};
+    planish_options options = test_options(1);
+    double *x[2];
+    options.size_weight = 0.9;
+    block_create(0, BOX_HEXAHEDRA, BLOCK_CUBE, 6, 0.8, 0.02, &(uint64_t){effort_seed(3)}, &b);
+    block_target_create(BLOCK_BALL, 16, 0.6, 0, &fine);
+    planish_mesh mesh = b.mesh;
+    double *size = calloc((size_t)mesh.n_nodes, sizeof *size), *start = test_copy_of(&mesh);
+    assert_int_equal(planish_find_sizes(&mesh, 1, size, &error), 0);
+    mesh.size = size;
+    for (int i = 0; i < 2; i++) {
+        mesh.reference = i ? start : NULL;
+        x[i] = test_copy_of(&mesh);
+        if (planish_fit_create(&mesh, b.shape, fine.shape, 5, &options, &f, NULL, &error) ||
+            planish_fit_move(f, &mesh, x[i], &options, NULL, &error))
+            fail_msg("%s", error.text);
+        planish_fit_destroy(f);
+    }
+    assert_memory_equal(x[0], x[1], test_bytes_of(&mesh));
+    assert_memory_not_equal(x[0], start, test_bytes_of(&mesh));
+    free(x[0]);
+    free(x[1]);
+    free(size);
+    free(start);
+    block_destroy(&b);
+    block_target_destroy(&fine);
+}
+
 static int stop_soon(const planish_progress *progress, void *left) {
     (void)progress;
     return --*(int *)left <= 0;
@@ -901,6 +935,7 @@ int main(void) {
         cmocka_unit_test(test_plate),
         cmocka_unit_test(test_flat),
         cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_sizes),
         cmocka_unit_test(test_stop),
         cmocka_unit_test(test_positions),
         cmocka_unit_test(test_wide),

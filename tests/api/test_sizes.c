@@ -237,6 +237,31 @@ static void one_size_makes_a_regular_mesh(void **state) {
     forget(&s);
 }
 
+/** planish_measure_mesh measures as a plan does; sizes that do not count are no error, but ignored. */
+static void a_mesh_is_measured_as_by_a_plan(void **state) {
+    (void)state;
+    sized_box s = sized_box_of(cell_box_create(BOX_QUADRILATERALS, 6), 6);
+    planish_options options = defaults();
+    planish_quality of_plan, of_mesh, plain;
+    planish_error error = {.text = ""};
+    planish_plan *plan;
+    cell_box_shake(s.box, 0.2, 3);
+    s.mesh.reference = s.start;
+    assert_int_equal(planish_plan_create(&s.mesh, &options, &plan, &error), 0);
+    assert_int_equal(planish_measure(plan, s.box->x, &of_plan, &error), 0);
+    planish_plan_destroy(plan);
+    assert_int_equal(planish_measure_mesh(&s.mesh, &options, &of_mesh, &error), 0);
+    assert_memory_equal(&of_mesh, &of_plan, sizeof of_plan);
+    if (planish_measure_mesh(&s.mesh, NULL, &of_mesh, &error))
+        fail_msg("%s", error.text);
+    s.mesh.size = NULL;
+    s.mesh.reference = NULL;
+    assert_int_equal(planish_measure_mesh(&s.mesh, NULL, &plain, &error), 0);
+    assert_memory_equal(&of_mesh, &plain, sizeof plain);
+    assert_true(plain.rms_radius_ratio > 1 && plain.rms_radius_ratio < of_plan.rms_radius_ratio);
+    forget(&s);
+}
+
 /** Triangles, given as such or as cells, in either order of their nodes. */
 static void simplices_are_as_cells(void **state) {
     (void)state;
@@ -474,6 +499,7 @@ int main(void) {
         cmocka_unit_test(a_plan_remembers_nothing),
         cmocka_unit_test(own_sizes_stay),
         cmocka_unit_test(one_size_makes_a_regular_mesh),
+        cmocka_unit_test(a_mesh_is_measured_as_by_a_plan),
         cmocka_unit_test(minimum_volumes_are_kept),
         cmocka_unit_test(flat_elements_have_no_size),
         cmocka_unit_test(mids_have_sizes),

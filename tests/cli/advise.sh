@@ -102,6 +102,28 @@ PY
 expect_status 0 "$program" a.msh --layers keep
 ! grep -q "^planish: " err || fail "messages with --layers keep: $(cat err)"
 
+# --slide-tolerance is advised with nodes that slide alone.
+python3 "$cli/make_mesh.py" 4 0.2 coarse.mesh || exit 1
+expect_status 0 "$program" advise coarse.mesh --slide-tolerance 1e-5
+grep -qx "Run: planish smooth coarse.mesh OUT" out || fail "advice without sliding: $(tail -n 2 out)"
+
+# Each option that the help lists goes by itself, and what is advised then can be typed.
+cp "$source_folder/tests/data/ascii41.msh" coarse.msh
+for option in "--format gmsh" "--like coarse.msh" "--fix skin" "--layers hold" "--layers keep" "--layers ignore" --fix-layers \
+    "--regions none" --ignore-regions "--slide-tolerance 1e-5" "-j 1" "--threads 1" "--bind none"; do
+    given="${given-} ${option%% *}"
+    # shellcheck disable=SC2086
+    expect_status 0 "$program" advise coarse.msh $option
+    ! grep -v '^note: ' err || fail "messages with $option: $(cat err)"
+    advice=$(sed -n 's/^Run: planish \(smooth coarse.msh\) OUT/\1 -o advised.msh/p' out)
+    # shellcheck disable=SC2086
+    [ -z "$advice" ] || expect_status 0 "$program" $advice -q
+done
+"$program" advise --help | grep -oE '^ +(-[a-z], )?--[a-z-]+' | grep -oE -- '--[a-z-]+' | while read -r option; do
+    [[ "$option" =~ ^--(help|version)$ || " $given " == *" $option "* ]] || echo "$option"
+done >untested
+[ ! -s untested ] || fail "options of advise: $(cat untested)"
+
 # In a plane nothing is curved; of other elements aspect ratios count.
 python3 "$cli/folder_meshes.py" mixed 3 ring
 expect_status 0 "$program" ring

@@ -12,6 +12,9 @@ check_gallery() {
     grep '^    ' "$1" | grep -oE '\b(docs|bench)/[A-Za-z0-9_./-]+' | while read -r name; do
         [ -e "$source_folder/$name" ] || echo "no file $name"
     done
+    grep '^    planish smooth ' "$1" | awk '{ print $4 }' | sort | uniq -d | while read -r name; do
+        echo "a second $name: it exists already"
+    done
     grep '^    planish smooth ' "$1" | grep -oE -- '--[a-z-]+' | sort -u | while read -r option; do
         grep -q -- "$option\b" help || echo "no option $option"
     done
@@ -22,8 +25,8 @@ found=$(check_gallery "$source_folder/docs/gallery.md")
 [ -z "$found" ] || fail "docs/gallery.md: $found"
 [ "$(grep -c '^    planish smooth ' "$source_folder/docs/gallery.md")" -ge 10 ] || fail "there are fewer than ten commands"
 [ "$(grep -c '^!\[' "$source_folder/docs/gallery.md")" -eq 10 ] || fail "there are not ten pictures"
-printf '![](pictures/none.svg)\n    gmsh -3 bench/none\n    planish smooth a b --none\n' >wrong.md
-[ "$(check_gallery wrong.md | wc -l)" -eq 3 ] || fail "mistakes were not found: $(check_gallery wrong.md)"
+printf '![](pictures/none.svg)\n    gmsh -3 bench/none\n    planish smooth a b --none\n    planish smooth c b\n' >wrong.md
+[ "$(check_gallery wrong.md | wc -l)" -eq 4 ] || fail "mistakes were not found: $(check_gallery wrong.md)"
 
 pictures=$(grep -o '](docs/pictures/[^)]*)' "$source_folder/README.md" | sed 's/](\(.*\))/\1/')
 [ "$(wc -w <<<"$pictures")" -le 2 ] || fail "README.md has more than two pictures"

@@ -180,7 +180,22 @@ mistyped "unknown option '--thraeds'; did you mean --threads?" smooth in.msh -o 
 mistyped "unknown option '--jsn'; did you mean --json?" quality in.msh --jsn -
 mistyped "unknown option '--frobnicate'; try" quality in.msh --frobnicate
 mistyped "planish quality has no option --box" quality in.msh --box 0,0,1,1
-mistyped "option '--worst-' is ambiguous: --worst-measure, --worst-rise" smooth in.msh --worst- 3
+mistyped "unknown option '--worst-'; did you mean --worst-measure or --worst-rise?" smooth in.msh --worst- 3
+# The beginning of a name is no option: the message is about what was typed.
+for typed in "--tol 0" "--tol=0" --tol; do
+    # shellcheck disable=SC2086
+    mistyped "unknown option '--tol'; did you mean --tolerance?" smooth in.msh -o out.msh $typed
+done
+for typed in --fas --fas=3; do
+    mistyped "unknown option '--fas'; did you mean --fast?" smooth in.msh -o out.msh $typed
+done
+mistyped "unknown option '--si'; did you mean --size, --size-from or --size-weight?" smooth in.msh -o out.msh --si h
+mistyped "planish smooth has no option --to" smooth in.msh out.msh --to vtk
+mistyped "planish smooth has no option --worst" smooth in.msh out.msh --worst 3
+mistyped "planish quality has no option --slide" quality in.msh --slide
+mistyped "planish quality has no option --slide" quality in.msh --slide 1e-6
+mistyped "unknown option '--ver'; did you mean --verbose or --version?" smooth in.msh -o out.msh --fast -q --ver
+mistyped "option --output needs a value (OUT)" smooth in.msh --fast -o
 mistyped "unknown command 'smoth'; did you mean smooth?" smoth in.msh
 mistyped "unknown command 'qualtiy'; did you mean quality?" help qualtiy
 mistyped "unknown command 'polish'; it must be smooth, quality, compare, advise, groups, convert or report" polish
@@ -190,5 +205,8 @@ expect_status 0 "$program" help help
 grep -q "^Usage: planish COMMAND" out || fail "help of help"
 mistyped "no result is named" report
 mistyped "unexpected argument 'b.json': give one result" report a.json b.json
+mistyped "unexpected argument 'c.msh': give BEFORE and AFTER" compare a.msh b.msh c.msh
+mistyped "unexpected argument 'c.vtk': give IN and OUT" convert a.msh b.vtk c.vtk
+mistyped "unexpected argument 'b.vtk': give one mesh file" convert a.msh b.vtk -o c.vtk
 mistyped "unexpected argument 'b.msh': to smooth several meshes, give --output-dir DIR or --in-place" smooth a.msh b.msh c.msh
 finish

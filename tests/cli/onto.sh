@@ -393,6 +393,33 @@ expect_status 2 "$program" smooth "$source_folder/docs/examples/beam.inp" --onto
 expect_one_line
 expect_text "beam.inp: element 0 is of order 2"
 expect_text "(element 1 of the file)"
+
+# Sizes are those of the mesh before it was fitted: the same as an array of the file, or of a solution.
+expect_status 0 "$program" smooth coarse.mesh --onto fine.mesh -o kept.mesh --keep-sizes --size-weight 0.5 --json report.json
+expect_json 'r["target"] == "sizes" and r["objective"]["size_weight"] == 0.5 and r["surface"]["off"] == 0'
+expect_json '1 < r["surface"]["worst_ratio_of_input"] < 2 * r["before"]["max_aspect_ratio"]'
+expect_json 'r["after"]["rms_aspect_ratio"] <= r["before"]["rms_aspect_ratio"] and r["after"]["inverted"] == 0'
+n=$(sed -n 's/^Vertices //p' coarse.mesh)
+{ printf 'MeshVersionFormatted 2\nDimension 3\nSolAtVertices\n%s\n1 1\n' "$n"; yes 1 | head -n "$n"; echo End; } >one.sol
+expect_status 0 "$program" smooth coarse.mesh --onto fine.mesh -o out.mesh --size-from one.sol --json report.json
+expect_json 'r["target"] == "sizes" and r["surface"]["off"] == 0'
+python3 - <<'END'
+words = open("coarse.mesh").read().split()
+at = words.index("Vertices")
+n, m = int(words[at + 1]), int(words[words.index("Tetrahedra") + 1])
+x = words[at + 2:at + 2 + 4 * n]
+corner = [int(w) - 1 for w in words[words.index("Tetrahedra") + 2:][:5 * m]]
+with open("coarse.vtk", "w") as file:
+    print("# vtk DataFile Version 3.0\na ball\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS", n, "double", file=file)
+    print(*(" ".join(x[4 * i:4 * i + 3]) for i in range(n)), sep="\n", file=file)
+    print("CELLS", m, 5 * m, file=file)
+    print(*("4 %d %d %d %d" % tuple(corner[5 * i:5 * i + 4]) for i in range(m)), sep="\n", file=file)
+    print(f"CELL_TYPES {m}", *[10] * m, f"POINT_DATA {n}", "SCALARS h double", "LOOKUP_TABLE default", *[1] * n,
+          sep="\n", file=file)
+END
+expect_status 0 "$program" smooth coarse.vtk --onto fine.mesh -o out.vtk --size h --json report.json
+expect_json 'r["target"] == "sizes" and r["surface"]["off"] == 0'
+
 for option in "--slide curved" "--box 0,0,0,1,1,1" "--max-displacement 1" "--only-worse-than 2"; do
     # shellcheck disable=SC2086
     expect_status 64 "$program" smooth coarse.mesh --onto fine.mesh -o no.mesh $option

@@ -69,6 +69,13 @@ expect_one_line
 cmp others/a.msh wanted.msh || fail "a wrong mesh kept another one from being smoothed"
 [ ! -e others/wrong.msh ] || fail "a wrong mesh has an output"
 echo >a_file
+for folder in new/deep/est new/deep/other/ ./far//off; do
+    expect_status 0 "$program" smooth a.msh b.msh --output-dir $folder -q
+    cmp $folder/a.msh wanted.msh && cmp $folder/b.msh wanted.msh || fail "--output-dir $folder"
+done
+expect_status 2 "$program" smooth a.msh --output-dir a_file/in/it
+expect_one_line
+expect_text "a_file/in/it: cannot make this folder: Not a directory"
 expect_status 2 "$program" smooth a.msh --output-dir a_file
 expect_text "cannot make this folder"
 

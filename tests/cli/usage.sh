@@ -67,7 +67,8 @@ smooth in.msh --output-dir .|is in the folder of --output-dir: give --in-place
 smooth in.msh ./in.msh --output-dir smoothed|would get the same name
 smooth in.msh in.msh --in-place --json -|--json takes one mesh, but 2 are named
 smooth in.msh -o out.msh --best --like in.msh|leave out --best
-smooth in.msh -o out.msh --max-sweep|option --max-sweeps needs a value (N)
+smooth in.msh -o out.msh --max-sweeps|option --max-sweeps needs a value (N)
+smooth in.msh -o out.msh --max-sweep|unknown option '--max-sweep'; did you mean --max-sweeps?
 smooth in.msh -o out.msh --max-sweeps x|--max-sweeps 'x' must be a whole number, 0 or more
 smooth in.msh -o out.msh --tolerence 0|unknown option '--tolerence'; did you mean --tolerance?
 smooth in.msh -o out.msh --objective best|must be radius-ratio, mean-ratio, edge-ratio or worst
@@ -76,7 +77,12 @@ smooth in.msh -o out.msh --fix wall|there is no group 'wall' to hold; the file h
 smooth in.msh -o out.msh --fix skn|there is no group 'skn' to hold; did you mean 'skin'? Try 'planish smooth --help'
 smooth in.msh -o out.xyz|and no extension of a format that planish converts to
 smooth - -o out.msh|standard input is /dev/stdin
+smooth in.msh -o out.msh --slide curved --crease-angle 0|--crease-angle '0' must be a number of degrees above 0, up to 180
+quality in.msh --surface-of in.msh --crease-angle 180.1|must be a number of degrees above 0, up to 180
+quality in.msh --crease-angle 10|--crease-angle has no effect without --surface-of or --report; try 'planish quality --help'
 quality in.msh --rings 2|planish quality has no option --rings
+advise in.msh --fix wall|try 'planish advise --help'
+in.msh --slide-tolerance 1|--slide-tolerance '1' must be a fraction above 0
 LINES
 
 # Values: the whole word, in range, finite.

@@ -267,6 +267,7 @@ class Files(unittest.TestCase):
         self.same_as_the_program(surface, ["--slide", "none", "--max-sweeps", "3"], slide="none", max_sweeps=3)
         small = self.write("small.vtk", 0.97 * solid, [("tetra", tets)])
         self.same_as_the_program(small, ["--onto", surface], onto=surface)
+        self.same_as_the_program(small, ["--onto", surface, "--keep-sizes"], onto=surface, keep_sizes=True)
         hexahedra = np.array([[0, 1, 3, 2, 4, 5, 7, 6]])
         cube = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)], dtype=float)
         self.same_as_the_program(self.write("cube.vtk", cube, [("hexahedron", hexahedra)]), may_stay=True)

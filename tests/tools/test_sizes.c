@@ -35,8 +35,7 @@ static int read_sizes(const char *text, pl_arguments *arguments, pl_sizes *sizes
 }
 
 static int read_array(const char *text, pl_sizes *sizes) {
-    pl_arguments arguments = {
-        .command = PL_COMMAND_SMOOTH, .size = "h", .library.size_weight = 0.5};
+    pl_arguments arguments = {.typed = PL_COMMAND_SMOOTH, .size = "h", .library.size_weight = 0.5};
     return read_sizes(text, &arguments, sizes);
 }
 

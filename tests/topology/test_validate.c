@@ -55,7 +55,7 @@ static const refusal REFUSALS[] = {
     {DIM, 1, PLANISH_ERROR_ARGUMENT, -1, -1, "mesh.dim is 1"},
     {NODES, -1, PLANISH_ERROR_ARGUMENT, -1, -1, "n_nodes is -1"},
     {NODES, INT64_C(1) << 31, PLANISH_ERROR_ARGUMENT, -1, -1, "n_nodes is 2147483648"},
-    {NODES, 0, PLANISH_ERROR_MESH, 0, 0, "nodes 0 to -1"},
+    {NODES, 0, PLANISH_ERROR_MESH, 0, 0, "has node 0, but the mesh has no nodes; correct"},
     {NODES, 7, PLANISH_ERROR_MESH, 0, 7, "nodes 0 to 6"},
     {ELEMENTS, INT64_MAX, PLANISH_ERROR_ARGUMENT, -1, -1, "n_elements"},
     {ELEMENTS, -1, PLANISH_ERROR_ARGUMENT, -1, -1, "n_elements is -1"},

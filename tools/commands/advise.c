@@ -33,6 +33,7 @@ typedef struct way {
     double seconds;
     int64_t n_supported; /* nodes with boundary conditions that may move */
     int has_sets;        /* the file has sets of nodes */
+    int has_tolerance;   /* --slide-tolerance has an effect */
 } way;
 
 /** The layers of the mesh, which all ways are measured against: else one that destroys layers would look
@@ -146,6 +147,14 @@ static int has_node_sets(const pl_job *job) {
     return 0;
 }
 
+/** Whether the mesh lies in a tilted plane. */
+static int is_tilted(const pl_job *job) {
+    planish_plane plane = {.is_tilted = 0};
+    if (job->file)
+        planish_file_plane(job->file, &plane);
+    return plane.is_tilted;
+}
+
 /** Take the figures of the mesh after smoothing, and before (NULL: they are known). */
 static int take_all_figures(const pl_job *job, const pl_result *result,
                             const advised_layers *layers, way *before, way *w) {
@@ -185,6 +194,7 @@ static int try_way(const pl_arguments *arguments, way *w, way *before, int *has_
         w->is_stopped = result.smooth.stop == PLANISH_STOP_TIME_LIMIT;
         w->n_supported = job.n_supported;
         w->has_sets = has_node_sets(&job);
+        w->has_tolerance = of_way.slide || is_tilted(&job);
         *has_types = job.has_types || layers->is_layer;
     }
     pl_progress_clear(&progress);
@@ -263,8 +273,8 @@ static void put_option(const char *name, const char *value) {
     pl_text_put_word(stdout, value);
 }
 
-/** Put the options that change what smoothing gives. */
-static void put_options(const pl_arguments *arguments) {
+/** Put the options that change what smoothing gives in a way. */
+static void put_options(const pl_arguments *arguments, const way *w) {
     static const char *const layers[] = {
         [PL_LAYERS_HELD] = "hold", [PL_LAYERS_KEPT] = "keep", [PL_LAYERS_IGNORED] = "ignore"};
     char tolerance[32];
@@ -281,7 +291,7 @@ static void put_options(const pl_arguments *arguments) {
     if (arguments->layers != PL_LAYERS_BY_TYPE)
         put_option("layers", layers[arguments->layers]);
     snprintf(tolerance, sizeof tolerance, "%.15g", arguments->slide_tolerance);
-    if (arguments->slide_tolerance > 0)
+    if (arguments->slide_tolerance > 0 && w->has_tolerance)
         put_option("slide-tolerance", tolerance);
 }
 
@@ -314,7 +324,7 @@ static void put_advice(const pl_arguments *arguments, const way *before, const w
     printf("Run: planish smooth %s", arguments->input[0] == '-' ? "./" : "");
     pl_text_put_word(stdout, arguments->input);
     printf(" OUT%s%s", best->options[0] ? " " : "", best->options);
-    put_options(arguments);
+    put_options(arguments, best);
     putchar('\n');
     put_remarks(arguments, best);
 }

@@ -210,7 +210,8 @@ static int find_targets(const drawing *d, char *path) {
 /** Take the layers of the input, in the file at path, as targets of job's mesh, if it is the input: *is_taken.
  *  Returns 0, or an exit status after a message. */
 static int take_layers_of(const drawing *d, const char *path, pl_job *job, int *is_taken) {
-    pl_arguments arguments = {.command = PL_COMMAND_REPORT, .input = path};
+    pl_arguments arguments = {
+        .command = PL_COMMAND_REPORT, .typed = PL_COMMAND_REPORT, .input = path};
     pl_job input = {.arguments = &arguments, .engine = job->engine, .options = job->options};
     planish_error error;
     char checksum[17];
@@ -343,7 +344,8 @@ static int bound_compared(const drawing *d, pl_job *job) {
 /** Draw the state from the file at path if it has the mesh; *why is set to why not, or to NULL.
  *  Returns 0, or an exit status after a message. */
 static int try_place(drawing *d, const wanted *w, const char *path, const char **why) {
-    pl_arguments arguments = {.command = PL_COMMAND_REPORT, .input = path};
+    pl_arguments arguments = {
+        .command = PL_COMMAND_REPORT, .typed = PL_COMMAND_REPORT, .input = path};
     pl_job job = {.arguments = &arguments, .engine = &pl_engine_here};
     planish_error error;
     char checksum[17];

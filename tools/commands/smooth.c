@@ -380,15 +380,31 @@ static int smooth_next(const pl_arguments *arguments, pl_file_status *output, in
     return status;
 }
 
-/** Make the folder of outputs where it is missing. */
-static int make_folder(const char *folder) {
+/** Make a folder where it is missing, and those that it is to be in. Returns 0, or why not as errno. */
+static int make_folders(const char *folder) {
     pl_file_status found;
+    int length;
     if (pl_folder_create(folder) == 0)
         return 0;
     const int reason = errno;
     if (pl_file_find(folder, &found) == 0 && found.kind == PL_FILE_FOLDER)
         return 0;
-    return pl_complain(PL_EXIT_FAILED, "%s: cannot make this folder: %s", folder, strerror(reason));
+    const size_t begin = (size_t)(name_of(folder, &length) - folder);
+    char *parent = reason == ENOENT && begin > 0 ? strdup(folder) : NULL;
+    if (!parent)
+        return reason;
+    parent[begin] = '\0';
+    const int failed = make_folders(parent);
+    free(parent);
+    return !failed && pl_folder_create(folder) ? errno : failed;
+}
+
+/** Make the folder of outputs where it is missing. */
+static int make_folder(const char *folder) {
+    const int reason = make_folders(folder);
+    return !reason ? 0
+                   : pl_complain(PL_EXIT_FAILED, "%s: cannot make this folder: %s", folder,
+                                 strerror(reason));
 }
 
 int pl_smooth_command(const pl_arguments *arguments) {

@@ -50,7 +50,7 @@ static const char *find_meaningless(const pl_job *job) {
 int pl_curved_begin_surface(pl_job *job) {
     const char *const meaningless = find_meaningless(job);
     if (meaningless)
-        return pl_complain_usage(pl_command_name(job->arguments->command),
+        return pl_complain_usage(pl_command_name(job->arguments->typed),
                                  "%s is a surface in space: %s has no effect there, leave it out",
                                  job->arguments->input, meaningless);
     if (job->engine != &pl_engine_here)

@@ -21,7 +21,7 @@
 /** Complain as pl_job_complain, but of the command line if an argument is wrong. */
 static int complain_of_arguments(const pl_job *job, const planish_error *error) {
     if (error->code == PLANISH_ERROR_ARGUMENT)
-        return pl_complain_usage(pl_command_name(job->arguments->command), "%s", error->text);
+        return pl_complain_usage(pl_command_name(job->arguments->typed), "%s", error->text);
     return pl_job_complain(job, PL_EXIT_FAILED, error);
 }
 
@@ -39,7 +39,7 @@ static int find_held(const pl_job *job, const planish_hold *hold, uint8_t *const
              k++)
             nearest = pl_nearer(hold->slide_tags[i], nearest, words[k]);
     if (nearest)
-        return pl_complain_usage(pl_command_name(job->arguments->command),
+        return pl_complain_usage(pl_command_name(job->arguments->typed),
                                  "%s; did you mean --slide %s?", error.text, nearest);
     return complain_of_arguments(job, &error);
 }
@@ -209,7 +209,7 @@ static int find_min_volumes(pl_job *job) {
         return 0;
     for (int64_t i = 0; i < job->mesh.n_elements; i++)
         if (job->min_volume[i] == 0)
-            return pl_complain_usage(pl_command_name(arguments->command),
+            return pl_complain_usage(pl_command_name(arguments->typed),
                                      "--area-weight needs a minimum volume for every element, but "
                                      "element %" PRId64 " is in none of the named groups",
                                      planish_file_element_number(job->file, i));
@@ -231,7 +231,7 @@ static int find_box(pl_job *job) {
     if (arguments->n_box == 0)
         return 0;
     if (arguments->n_box != 2 * dim)
-        return pl_complain_usage(pl_command_name(arguments->command),
+        return pl_complain_usage(pl_command_name(arguments->typed),
                                  "--box has %d numbers, but a mesh of %s needs %d",
                                  arguments->n_box,
                                  job->is_surface ? "a surface in space"
@@ -291,7 +291,7 @@ static int check_measures(pl_job *job) {
     const planish_worst asked = arguments->worst_measure;
     const int is_of_types =
         asked == PLANISH_WORST_ASPECT_RATIO || asked == PLANISH_WORST_SCALED_JACOBIAN;
-    const char *command = pl_command_name(arguments->command), *input = arguments->input;
+    const char *command = pl_command_name(arguments->typed), *input = arguments->input;
     if (job->has_types && arguments->objective_given && !arguments->worst &&
         arguments->library.objective == PLANISH_OBJECTIVE_RADIUS_RATIO)
         return pl_complain_usage(command,
@@ -315,15 +315,20 @@ static int check_measures(pl_job *job) {
     return 0;
 }
 
-/** Refuse options for curved surfaces where no node slides on one. */
+/** Refuse options for curved surfaces where no node slides on one, and quality looks at none. */
 static int check_curved(const pl_job *job) {
     const pl_arguments *arguments = job->arguments;
     const int is_of_onto = arguments->onto && arguments->of_curved &&
                            strcmp(arguments->of_curved, "crease-angle") == 0;
+    if (arguments->command == PL_COMMAND_QUALITY && arguments->of_curved && !job->is_surface &&
+        !arguments->surface_of && !arguments->report && arguments->n_inputs == 1)
+        return pl_complain_usage(pl_command_name(arguments->typed),
+                                 "--%s has no effect without --surface-of or --report",
+                                 arguments->of_curved);
     if (!arguments->of_curved || arguments->slide_curved || is_of_onto || job->is_surface ||
         arguments->command != PL_COMMAND_SMOOTH)
         return 0;
-    return pl_complain_usage(pl_command_name(arguments->command),
+    return pl_complain_usage(pl_command_name(arguments->typed),
                              "--%s has no effect without --slide curved", arguments->of_curved);
 }
 
@@ -457,9 +462,9 @@ static int find_constraints(pl_job *job) {
     int status;
     /* The tolerance is for nodes that slide, and for those of a tilted plane. */
     planish_file_plane(job->file, &plane);
-    if (arguments->command == PL_COMMAND_SMOOTH && arguments->slide_tolerance > 0 &&
+    if (arguments->typed == PL_COMMAND_SMOOTH && arguments->slide_tolerance > 0 &&
         !arguments->slide && !plane.is_tilted)
-        return pl_complain_usage(pl_command_name(arguments->command),
+        return pl_complain_usage(pl_command_name(arguments->typed),
                                  "--slide-tolerance has no effect without --slide, except on "
                                  "triangles in a tilted plane");
     job->constraint = malloc(job->mesh.n_nodes ? (size_t)job->mesh.n_nodes : 1);
@@ -488,7 +493,7 @@ int pl_job_read(pl_job *job, const pl_arguments *arguments, const pl_engine *eng
                         !getenv("OMP_PROC_BIND") && !getenv("GOMP_CPU_AFFINITY");
     job->options.threads = pl_threads_to_use(arguments->library.threads);
     if (strcmp(arguments->input, "-") == 0)
-        return pl_complain_usage(pl_command_name(arguments->command),
+        return pl_complain_usage(pl_command_name(arguments->typed),
                                  "'-' is not a file; standard input is /dev/stdin");
     pl_signals_set_input(arguments->input);
     pl_signals_set_before_smoothing(arguments->command == PL_COMMAND_SMOOTH);

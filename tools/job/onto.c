@@ -195,6 +195,7 @@ static int measure_before(pl_job *job) {
     planish_options options;
     planish_options_init(&options);
     options.threads = job->options.threads;
+    options.size_weight = job->options.size_weight; /* ratios are against sizes in the end, too */
     if (planish_measure_mesh(&job->mesh, &options, &quality, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
     job->onto.worst_before = quality.max_radius_ratio;

@@ -166,7 +166,7 @@ static int check_report(const pl_arguments *arguments, const char *path) {
     const char *what = find_read(arguments, path);
     if (!what && output && pl_output_hits_mesh(path, output, arguments->format))
         what = "the mesh";
-    return what ? pl_complain_usage(pl_command_name(arguments->command),
+    return what ? pl_complain_usage(pl_command_name(arguments->typed),
                                     "the report would overwrite %s '%s'", what, path)
                 : pl_output_check(path);
 }
@@ -182,7 +182,7 @@ static int is_taken(const pl_arguments *arguments) {
 
 /** A pattern of the shell that means two meshes must not have the second one replaced. */
 static int complain_of_taken(const pl_arguments *arguments) {
-    const char *command = pl_command_name(arguments->command), *output = arguments->output;
+    const char *command = pl_command_name(arguments->typed), *output = arguments->output;
     pl_file_status found;
     if (pl_file_find(output, &found) == 0 && found.kind == PL_FILE_FOLDER)
         return pl_complain_usage(command, "the folder '%s' already exists: name a new OUT", output);
@@ -204,7 +204,7 @@ int pl_output_check_still_new(const pl_arguments *arguments) {
 }
 
 int pl_output_check_all(const pl_arguments *arguments) {
-    const char *command = pl_command_name(arguments->command);
+    const char *command = pl_command_name(arguments->typed);
     const char *output = written_mesh(arguments), *json = arguments->json;
     const char *report = arguments->report;
     int status;

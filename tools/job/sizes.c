@@ -285,7 +285,7 @@ static int read_data(sizing *s, const pl_arguments *arguments) {
                    : 0;
     const planish_status code = planish_file_data(s->file, arguments->size, &s->data, &error);
     if (code == PLANISH_ERROR_ARGUMENT)
-        return pl_complain_usage(pl_command_name(arguments->command), "--size: %s", error.text);
+        return pl_complain_usage(pl_command_name(arguments->typed), "--size: %s", error.text);
     return code ? pl_complain(PL_EXIT_FAILED, "--size: %s", error.text) : 0;
 }
 

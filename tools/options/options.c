@@ -533,8 +533,8 @@ static const pl_option option_table[] = {
      "format): move nodes there as far as elements stay\n"
      "valid, then let these nodes slide along that surface",
      "file"},
-    {NODES, 0, "crease-angle", "A", BOTH | OF_CURVED, set_real, AT(crease_angle), 0, 180,
-     "must be a number of degrees from 0 to 180",
+    {NODES, 0, "crease-angle", "A", BOTH | OF_CURVED, set_real, AT(crease_angle), ABOVE_0, 180,
+     "must be a number of degrees above 0, up to 180",
      "on curved surfaces: keep sharp the edges where the\n"
      "surface bends by more than A degrees, and borders of\n"
      "groups (default: find sharp edges)",

@@ -48,6 +48,7 @@ typedef enum pl_layers_asked {
 /** A command line that has been understood. Strings are those of argv. */
 typedef struct pl_arguments {
     pl_command command;
+    pl_command typed;       /* the command that messages are about: advise runs others */
     const char *input;      /* the first of inputs */
     const char **inputs;    /* [n_inputs] owned */
     int n_inputs;           /* 1, but for commands that take many; smooth: 1 with output */

@@ -46,32 +46,53 @@ static const pl_option *find_row(pl_command command, int code) {
     return NULL;
 }
 
-/** Message for an option --word (which may have "=VALUE" behind it) that getopt does not know. */
+/** Write the options of command that begin with typed, "--a, --b or --c". */
+static void list_longer(pl_command command, const char *typed, char *text, size_t size) {
+    const pl_option *longer[PL_MOST_OPTIONS];
+    size_t used = 0;
+    int n = 0;
+    for (int i = 0; typed[0] && pl_option_at(i); i++)
+        if ((pl_option_at(i)->commands & command) &&
+            strncmp(pl_option_at(i)->name, typed, strlen(typed)) == 0)
+            longer[n++] = pl_option_at(i);
+    text[0] = '\0';
+    for (int i = 0; i < n && used < size; i++)
+        used += (size_t)snprintf(text + used, size - used, "%s--%s",
+                                 i == 0       ? ""
+                                 : i == n - 1 ? " or "
+                                              : ", ",
+                                 longer[i]->name);
+}
+
+/** Message for an option --word (which may have "=VALUE" behind it) that is none of command's. The beginning
+ *  of a name is none: what it stands for would depend on the command, and change with new options. */
 static int complain_unknown(pl_command command, const char *name, const char *word) {
-    char typed[64], others[128] = "";
+    char typed[64], longer[256];
     snprintf(typed, sizeof typed, "%.*s", (int)strcspn(word, "="), word);
     const char *nearest = NULL;
     const pl_option *elsewhere = NULL;
-    size_t used = 0;
     for (int i = 0; pl_option_at(i); i++) {
         const pl_option *row = pl_option_at(i);
-        const int is_here = (row->commands & command) != 0;
-        if (is_here)
+        if (row->commands & command)
             nearest = pl_nearer(typed, nearest, row->name);
         else if (strcmp(row->name, typed) == 0)
             elsewhere = row;
-        if (is_here && typed[0] && strncmp(row->name, typed, strlen(typed)) == 0 &&
-            used < sizeof others)
-            used += (size_t)snprintf(others + used, sizeof others - used, "%s--%s",
-                                     used ? ", " : "", row->name);
     }
-    if (used)
-        return pl_complain_usage(name, "option '--%s' is ambiguous: %s", typed, others);
+    list_longer(command, typed, longer, sizeof longer);
     if (elsewhere)
         return pl_complain_usage(name, "planish %s has no option --%s", name, typed);
+    if (longer[0])
+        return pl_complain_usage(name, "unknown option '--%s'; did you mean %s?", typed, longer);
     if (nearest)
         return pl_complain_usage(name, "unknown option '--%s'; did you mean --%s?", typed, nearest);
     return pl_complain_usage(name, "unknown option '--%s'", typed);
+}
+
+/** Whether a word is --name, which may have "=VALUE" behind it. */
+static int is_whole(const char *word, const char *name) {
+    const size_t n = strlen(name);
+    return strncmp(word, "--", 2) == 0 && strncmp(word + 2, name, n) == 0 &&
+           (word[2 + n] == '\0' || word[2 + n] == '=');
 }
 
 /** Message for a value that a setter has refused, as it must be wanted; "": one of the row's words.
@@ -93,6 +114,8 @@ static int complain_value(const char *name, const pl_option *row, const char *va
 static int complain_option(pl_command command, const char *name, int refusal, int code,
                            const char *word) {
     const pl_option *row = find_row(command, code);
+    if (row && strncmp(word, "--", 2) == 0 && !is_whole(word, row->name))
+        return complain_unknown(command, name, word + 2);
     if (refusal == ':' && row)
         return pl_complain_usage(name, "option --%s needs a value (%s)", row->name, row->value);
     if (row)
@@ -107,8 +130,9 @@ static int takes_many(const pl_arguments *arguments, const pl_command_text *comm
     return command->takes_many || arguments->in_place || arguments->output_dir;
 }
 
+/** Message for operands that are too many: the second one, and the third or NULL. */
 static int complain_of_many(const pl_arguments *arguments, const pl_command_text *command,
-                            const char *second) {
+                            const char *second, const char *third) {
     if (command->takes_output && !arguments->output && !second[0])
         return pl_complain_usage(command->name, "the name of the %s file is empty",
                                  arguments->command == PL_COMMAND_COMPARE ? "second mesh"
@@ -118,6 +142,10 @@ static int complain_of_many(const pl_arguments *arguments, const pl_command_text
                                  "unexpected argument '%s': to smooth several meshes, give "
                                  "--output-dir DIR or --in-place",
                                  second);
+    if (command->takes_output && !arguments->output)
+        return pl_complain_usage(command->name, "unexpected argument '%s': give %s", third,
+                                 arguments->command == PL_COMMAND_COMPARE ? "BEFORE and AFTER"
+                                                                          : "IN and OUT");
     return pl_complain_usage(command->name, "unexpected argument '%s': give one %s", second,
                              command->operand);
 }
@@ -132,7 +160,8 @@ static int take_operands(pl_arguments *arguments, int argc, char **argv) {
         arguments->output = argv[--argc];
         arguments->output_is_operand = 1;
     } else if (n > 1 && !takes_many(arguments, command)) {
-        return complain_of_many(arguments, command, argv[optind + 1]);
+        return complain_of_many(arguments, command, argv[optind + 1],
+                                n > 2 ? argv[optind + 2] : NULL);
     }
     for (int i = optind; i < argc; i++) {
         if (argv[i][0] == '\0')
@@ -175,9 +204,11 @@ static void take_size_weight(pl_arguments *arguments) {
         *weight = pl_arguments_have_sizes(arguments) ? WEIGHT_OF_SIZES : 0;
 }
 
+enum { NO_NAME = -1 }; /* getopt has read a letter */
+
 int pl_arguments_parse(pl_arguments *arguments, pl_command command, int argc, char **argv) {
     memset(arguments, 0, sizeof *arguments);
-    arguments->command = command;
+    arguments->command = arguments->typed = command;
     planish_options_init(&arguments->library);
     arguments->library.size_weight = NOT_GIVEN;
     int status = make_room(arguments, argc);
@@ -189,11 +220,14 @@ int pl_arguments_parse(pl_arguments *arguments, pl_command command, int argc, ch
     make_getopt_table(command, letters, rows);
     opterr = 0;
     optind = 1;
-    int code;
-    while ((code = getopt_long(argc, argv, letters, rows, NULL)) != -1) {
+    int code, at = NO_NAME;
+    for (; (code = getopt_long(argc, argv, letters, rows, &at)) != -1; at = NO_NAME) {
         if (code == '?' || code == ':')
             return complain_option(command, argv[0], code, optopt, argv[optind - 1]);
         const pl_option *row = find_row(command, code);
+        const char *word = argv[optind - (argv[optind - 1] == optarg ? 2 : 1)];
+        if (at != NO_NAME && !is_whole(word, row->name))
+            return complain_unknown(command, argv[0], word + 2);
         const char *wanted = row->set(arguments, row, optarg);
         if (wanted)
             return complain_value(argv[0], row, optarg, wanted);

@@ -208,16 +208,25 @@ class Plan:
         self._choose(choices.around)
         if choices.onto is None:
             self._create()
-            return
+        else:
+            self._create_onto(source, choices, run)
+
+    def _create_onto(self, source: Source, choices: PlanChoices, run: Optional[RunChoices]) -> None:
+        """Move the points onto the other surface, and make the plan; after an error they are where they were."""
         if run is not None:
             self._set_run(run, Options.from_buffer_copy(self._options))
         self._start = np.array(self._view.given)
+        needs_start = self._view.has_targets and not self._view.mesh.reference
+        if needs_start:  # sizes and layers are those of the points before they move
+            _targets.take_places(self._view, self._view.points.array.copy(), "points")
         try:
             self._move_onto(source, choices)
             self._create()
         except BaseException:
             self.go_back(self._start)
             raise
+        if needs_start:
+            self._view.give("reference", None)
 
     def _create(self) -> None:
         """Let the library make the plan."""
