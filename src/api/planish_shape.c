@@ -59,6 +59,7 @@ static int begin_call(const planish_mesh *mesh, int threads, int takes_surfaces,
         return status;
     take_bare(mesh, call);
     mesh = call->mesh;
+    call->dense = (pl_dense){.corner = NULL};
     call->threads = pl_thread_count(threads);
     call->outside = pl_call_enter(NULL);
     if (takes_surfaces && is_surface_mesh(mesh)) {

@@ -158,9 +158,9 @@ int pl_heights_choose(pl_job *job, int of_all, uint8_t *in_layer, int64_t *n, do
     double *off = malloc(((size_t)job->mesh.n_nodes + 1) * sizeof *off);
     if (!status && !off)
         status = pl_job_complain_memory(job, "heights of layers");
-    if (!status)
+    if (!status && off)
         status = find_off(job, off, worst);
-    if (!status)
+    if (!status && off)
         *n = add_nodes(job, of_all, *worst, off, in_layer);
     free(off);
     return status;
