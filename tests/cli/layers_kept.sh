@@ -310,21 +310,7 @@ cmp -s out.mesh told.mesh || fail "what is told, and threads, change the bits"
 below "$(python3 heights.py prisms out.mesh 12)" 0.1 || fail "mixed: all heights $(python3 heights.py prisms out.mesh 12)"
 below "$(python3 heights.py prisms out.mesh 4)" 0.1 || fail "mixed: heights $(python3 heights.py prisms out.mesh 4)"
 # Where the nodes beside those would change heights in their turn, all of layers are held in the end.
-cat >uneven.py <<'END2'
-import itertools
-import random
-import box_file
-
-N, ROWS, GROWTH, FIRST = 60, 26, 1.2, 0.001
-random.seed(1)
-number, points = {}, []
-for at in itertools.product(range(N + 1), range(ROWS + 1)):
-    inside = 0 < at[0] < N and 0 < at[1] < ROWS
-    number[at] = len(points) + 1
-    points.append([(at[0] + inside * random.uniform(-0.2, 0.2)) / N, FIRST * (GROWTH ** at[1] - 1) / (GROWTH - 1)])
-print(box_file.medit("quads", points, box_file.elements("quads", [N, ROWS], number)))
-END2
-python3 uneven.py >uneven.mesh
+python3 "$cli/uneven_mesh.py" >uneven.mesh
 expect_status 0 "$program" smooth uneven.mesh -o out.mesh --json report.json
 expect_json '0.9 <= r["layer_heights"]["min"] and r["layer_heights"]["max"] <= 1.1 and r["moved_nodes"] > 100'
 # Sizes keep no layers, and that is told.

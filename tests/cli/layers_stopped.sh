@@ -6,22 +6,7 @@
 
 [ "$(uname)" = Linux ] || exit 77 # the size of pipes is Linux's
 
-# A mesh whose heights change in seven rounds (layers_kept.sh).
-cat >uneven.py <<'END2'
-import itertools
-import random
-import box_file
-
-N, ROWS, GROWTH, FIRST = 60, 26, 1.2, 0.001
-random.seed(1)
-number, points = {}, []
-for at in itertools.product(range(N + 1), range(ROWS + 1)):
-    inside = 0 < at[0] < N and 0 < at[1] < ROWS
-    number[at] = len(points) + 1
-    points.append([(at[0] + inside * random.uniform(-0.2, 0.2)) / N, FIRST * (GROWTH ** at[1] - 1) / (GROWTH - 1)])
-print(box_file.medit("quads", points, box_file.elements("quads", [N, ROWS], number)))
-END2
-python3 uneven.py >uneven.mesh
+python3 "$cli/uneven_mesh.py" >uneven.mesh
 
 # reader.py ROUND SWEEP WAIT COMMAND...: run it, and read its lines, of which it can be no more than 4096 bytes ahead: ten
 # sweeps. After a sweep of a round stop reading for WAIT seconds; 0: send a signal. Print how many rounds there were.
