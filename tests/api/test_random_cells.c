@@ -485,7 +485,7 @@ static void mids_between_regions_stay(void **unused) {
 static void sizes_keep_valid_elements(void **unused) {
     (void)unused;
     tally sums = {.seen = {N_CELLS_FACTORS, cells_factors, {{{{0}}}}}};
-    for (uint64_t seed = 1; seed <= 50; seed++) {
+    for (uint64_t seed = 1; seed <= 50; seed += (uint64_t)effort_step(3)) {
         uint64_t state = effort_seed(seed);
         const int level[N_CELLS_FACTORS] = {[CELLS_OF] = CELLS_WEDGES,
                                             [CELLS_ORDER] = 1,
@@ -549,7 +549,7 @@ static void raised_volumes_keep_repairs(void **unused) {
                                         [CELLS_SWEEPS] = 3,
                                         [CELLS_TOLERANCE] = 1};
     static const uint64_t seeds[] = {2, 25, 29, 36}; /* where it invalidates curved elements */
-    for (size_t i = 0; i < sizeof seeds / sizeof *seeds; i++)
+    for (size_t i = 0; i < sizeof seeds / sizeof *seeds; i += (size_t)effort_step(2))
         assert_true(compare_volumes(level, seeds[i]) <= 0);
 }
 

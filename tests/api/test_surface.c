@@ -1,5 +1,6 @@
 /* planish_smooth_surface: triangles and quadrilaterals in space on their own shape. */
 #include "support/allocations.h"
+#include "support/effort.h"
 #include "support/sheets.h"
 #include "support/snapshots.h"
 
@@ -776,7 +777,7 @@ static void test_memory(void **unused) {
     make(&p, TORUS, 0, 0.5);
     p.options.max_sweeps = 2;
     p.options.worst = PLANISH_WORST_ANGLE;
-    for (int status = PLANISH_ERROR_MEMORY; status; n++) {
+    for (int status = PLANISH_ERROR_MEMORY; status; n += effort_step(7)) {
         planish_error e;
         memcpy(p.x, p.given, sizeof p.x);
         allocations_permit(n);
@@ -789,7 +790,7 @@ static void test_memory(void **unused) {
     assert_true(n > 20);
     memcpy(p.x, p.given, sizeof p.x);
     n = 0;
-    for (int status = PLANISH_ERROR_MEMORY; status; n++) {
+    for (int status = PLANISH_ERROR_MEMORY; status; n += effort_step(7)) {
         static uint8_t held[NODES];
         memset(held, 77, sizeof held);
         allocations_permit(n);

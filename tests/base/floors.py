@@ -112,33 +112,38 @@ def objects(build):
                 yield os.path.join(folder, name), module_of(source)
 
 
-def arrows_of_calls(build):
-    defined, needed = {}, collections.defaultdict(set)
-    for path, module in objects(build):
-        for line in subprocess.run(["nm", "-P", path], capture_output=True, text=True, check=True).stdout.splitlines():
-            name, kind = line.split()[:2]
-            if kind in "TRDB":
-                defined[name] = module
-            elif kind == "U":
-                needed[module].add(name)
-    if not defined:
+def symbols(build):
+    """(module, name, kind) of all symbols of the object files, as nm tells them."""
+    modules = dict(objects(build))
+    if not modules:
         sys.exit(f"no object files in {build}")
+    told = subprocess.run(["nm", "-A", "-P", *modules], capture_output=True, text=True, check=True).stdout
+    for line in told.splitlines():
+        path, rest = line.split(": ", 1)
+        yield (modules[path], *rest.split()[:2])
+
+
+def arrows_of_calls(found):
+    defined, needed = {}, collections.defaultdict(set)
+    for module, name, kind in found:
+        if kind in "TRDB":
+            defined[name] = module
+        elif kind == "U":
+            needed[module].add(name)
     for module, names in needed.items():
         for name in names:
             if name in defined and defined[name] != module:
                 yield module, defined[name], name
 
 
-def functions_alone(build):
+def functions_alone(found):
     """Functions that other files could call, and that no file but their own names."""
     needed, defined, words = set(), {}, collections.Counter()
-    for path, module in objects(build):
-        for line in subprocess.run(["nm", "-P", path], capture_output=True, text=True, check=True).stdout.splitlines():
-            name, kind = line.split()[:2]
-            if kind == "T" and name != "main" and not name.startswith("planish_"):
-                defined[name] = module
-            elif kind == "U":
-                needed.add(name)
+    for module, name, kind in found:
+        if kind == "T" and name != "main" and not name.startswith("planish_"):
+            defined[name] = module
+        elif kind == "U":
+            needed.add(name)
     for path in sources("src", "tools", "tests", "bench", "docs"):
         if not path.endswith(".h"):
             with open(os.path.join(ROOT, path), encoding="utf-8", errors="replace") as text:
@@ -183,8 +188,9 @@ def circles(graph):
 
 def main():
     sys.setrecursionlimit(10000)
+    found = list(symbols(sys.argv[1]))
     arrows = collections.defaultdict(set)
-    for a, b, name in [*arrows_of_includes(list(sources("src", "tools"))), *arrows_of_calls(sys.argv[1])]:
+    for a, b, name in [*arrows_of_includes(list(sources("src", "tools"))), *arrows_of_calls(found)]:
         if a != b and floor_of(a) and floor_of(b):
             arrows[a, b].add(name)
     bad = [(a, b) for a, b in sorted(arrows) if not is_allowed(a, b, arrows[a, b])]
@@ -199,7 +205,7 @@ def main():
         if across or len(circle) > MOST:
             bad.append(circle)
             print(f"a circle{' across folders' if across else ''} of {len(circle)}: {', '.join(circle)}")
-    for module, name in functions_alone(sys.argv[1]):
+    for module, name in functions_alone(found):
         bad.append(name)
         print(f"{name} must be static: {module} alone names it")
     print(f"{len(arrows)} arrows, {len(bad)} that must not be")

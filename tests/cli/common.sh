@@ -37,10 +37,17 @@ expect_status() {
     fi
 }
 
+# contents_of FILE: in contents; nothing else is started for it, as tests do so thousands of times.
+contents_of() {
+    contents=
+    IFS= read -r -d "" contents <"$1"
+}
+
 # The last command printed one line on standard error, which begins with "planish: ", and nothing
 # on standard output.
 expect_one_line() {
-    if [ "$(wc -l <err)" -ne 1 ] || [ "$(grep -c '^planish: ' err)" -ne 1 ]; then
+    contents_of err
+    if [[ $contents != "planish: "*$'\n' || ${contents%$'\n'} == *$'\n'* ]]; then
         fail "one line 'planish: ...' was expected, and this came:"
         cat err
     fi
@@ -49,7 +56,8 @@ expect_one_line() {
 
 # expect_text TEXT: the last command's standard error holds TEXT.
 expect_text() {
-    grep -qF -e "$1" err || { fail "'$1' was expected in:"; cat err; }
+    contents_of err
+    [[ $contents == *"$1"* ]] || { fail "'$1' was expected in:"; cat err; }
 }
 
 # expect_no_file PATTERN...: nothing of that name is there.
@@ -60,10 +68,17 @@ expect_no_file() {
     done
 }
 
-# expect_json EXPRESSION: report.json, as r, is such that it holds.
+# expect_json EXPRESSION: report.json, as r, is such that it holds. One Python looks at all of a test's.
 expect_json() {
-    python3 -c "import json; r = json.load(open('report.json')); assert $1" 2>/dev/null ||
-        fail "report.json: $1"
+    local answer
+    if [ "$BASH_SUBSHELL" -gt 0 ]; then # which has no way to that Python
+        answer=$(printf '%s\0%s\0' "$PWD" "$1" | python3 "$cli/judge_json.py")
+    else
+        [ -n "${json_judge_PID-}" ] || coproc json_judge { python3 "$cli/judge_json.py"; }
+        printf '%s\0%s\0' "$PWD" "$1" >&"${json_judge[1]}"
+        read -r answer <&"${json_judge[0]}"
+    fi
+    [ "$answer" = holds ] || fail "report.json: $1 ($answer)"
 }
 
 # wait_for TEXT FILE: until TEXT is in FILE; gives up after half a minute.

@@ -61,10 +61,11 @@ for command in $commands; do
             fail "$command does not know --$option"
     done
 done
+for command in $commands; do
+    options "$command"
+done >options
 for option in $(grep -o -e '^\(-., \)\?--[a-z-]*' <<<"$page" | sed 's/.*--//'); do
-    for command in $commands; do
-        options "$command"
-    done | grep -qx -e "$option" || fail "planish(1) has --$option, which no command has"
+    grep -qx -e "$option" options || fail "planish(1) has --$option, which no command has"
 done
 
 # The sections of smooth's help are those of docs/program.md, with the same options, each in one section.

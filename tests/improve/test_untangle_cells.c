@@ -1,6 +1,7 @@
 /* What planish_smooth promises of tangled meshes of cells of every type. */
 #include "support/allocations.h"
 #include "support/cell_meshes.h"
+#include "support/effort.h"
 #include "support/run.h"
 
 #include "geometry/cell.h"
@@ -58,7 +59,7 @@ static void cells_of_every_type_are_untangled(void **state) {
     enum { SEEDS = 4 };
     (void)state;
     for (int kind = 0; kind < N_BOX_KINDS; kind++)
-        for (uint64_t seed = 1; seed <= SEEDS; seed++) {
+        for (uint64_t seed = 1; seed <= SEEDS; seed += (uint64_t)effort_step(3)) {
             planish_options options = test_options(1);
             cell_box *box = cell_box_create((cell_box_kind)kind, BOX);
             cell_box *start = cell_box_create((cell_box_kind)kind, BOX);
@@ -200,7 +201,7 @@ static void without_memory_cells_are_not_spoilt(void **state) {
             cell_box_shake(box, 2, 9);
         assert_int_equal(planish_measure_cells(&box->mesh, 0, 1, &before, NULL, NULL), 0);
         while (without_one_of_cells(box, n, before.all.n_inverted))
-            n++;
+            n += effort_step(3);
         assert_true(n > 10);
         cell_box_destroy(box);
     }
@@ -394,7 +395,7 @@ static void check_periodic_box(uint64_t seed) {
 
 static void periodic_cells_that_are_valid_stay_so(void **state) {
     (void)state;
-    for (uint64_t seed = 1; seed <= N_DRAWN; seed++)
+    for (uint64_t seed = 1; seed <= N_DRAWN; seed += (uint64_t)effort_step(4))
         check_periodic_box(seed);
 }
 

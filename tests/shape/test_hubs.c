@@ -1,4 +1,5 @@
 /* hubs: nodes of very many facets. What looks at pairs of facets of a node would take minutes for them. */
+#include "support/effort.h"
 #include "support/run.h"
 
 #include "shape/gaps.h"
@@ -79,7 +80,7 @@ static void a_hub_is_smoothed_and_measured(void **unused) {
     planish_shape *shape = NULL;
     planish_error e;
     (void)unused;
-    make_cone(&c, getenv("PLANISH_BRIEF") ? FAN / 8 : FAN);
+    make_cone(&c, FAN / effort_step(8));
     assert_int_equal(planish_shape_create(&c.mesh, NULL, 1, &shape, NULL, &e), 0);
     const planish_options options = two_sweeps(shape);
     assert_int_equal(planish_smooth_surface(&c.mesh, c.x[0], &options, NULL, &e), 0);
