@@ -4,6 +4,7 @@
 passed=0 failed=0 skipped=0 resume=0
 record= # of steps that have passed: a file that begin_record has begun; tools/check alone has one
 jobs=$(nproc)
+tests_at_once=$((jobs + 1)) # some wait for a while
 sample=docs/examples/bracket.msh
 
 # alone COMMAND...: print the command that runs a step alone, to be pasted into a shell. Functions of
@@ -111,7 +112,7 @@ run_tests() {
     local folder=$1 report=$1/tests.xml log=$1/tests.log all good out before status left=() begin=$SECONDS
     shift
     echo "== testing $folder"
-    alone ctest --test-dir "$folder" --parallel "$jobs" --output-on-failure "$@"
+    alone ctest --test-dir "$folder" --parallel "$tests_at_once" --output-on-failure "$@"
     begin_record "$log"
     before=$(sed -n 's/^.* Test  *#[0-9]*: \([^ ]*\) .* Passed .*/\1/p' "$log" | sort -u)
     if [ -n "$before" ]; then
@@ -120,7 +121,7 @@ run_tests() {
         echo "   $(echo "$before" | wc -l) passed before"
     fi
     rm -f "$report"
-    ctest --test-dir "$folder" --parallel "$jobs" --output-on-failure --output-junit "$PWD/$report" "$@" \
+    ctest --test-dir "$folder" --parallel "$tests_at_once" --output-on-failure --output-junit "$PWD/$report" "$@" \
         "${left[@]}" | tee -a "$log"
     status=${PIPESTATUS[0]}
     echo "   took $((SECONDS - begin)) s"

@@ -463,7 +463,7 @@ static void mids_between_regions_stay(void **unused) {
     (void)unused;
     tally sums = {.seen = {N_CELLS_FACTORS, cells_factors, {{{{0}}}}}};
     int64_t n_released = 0;
-    const uint64_t step = (uint64_t)effort_step(7); /* all kinds of meshes come in turn */
+    const uint64_t step = (uint64_t)effort_step(14); /* all kinds of meshes come in turn */
     for (uint64_t seed = 1; seed <= 60; seed += step) {
         uint64_t state = effort_seed(seed);
         const int level[N_CELLS_FACTORS] = {[CELLS_OF] =
