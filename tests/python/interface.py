@@ -74,6 +74,23 @@ class Keywords(unittest.TestCase):
             other = start.copy()
             planish.smooth(other, cells, method=method)
             self.assertTrue((other != start).any())
+            self.refuse_optimising(start.copy(), cells, method)
+
+    def refuse_optimising(self, points, cells, method):
+        """Options without effect are refused, as in the program, and nothing moves."""
+        before = points.copy()
+        of_plan = [{"slide": "auto"}, {"only_worse_than": 2}, {"layers": "keep"}, {"like": before}, {"keep_sizes": True},
+                   {"size": np.ones(len(points))}]
+        of_run = [{"objective": "mean-ratio"}, {"direction": "fletcher-reeves"}, {"untangle": False}, {"curve_quality": 0}]
+        for wrong in of_plan + of_run:
+            name = next(iter(wrong))
+            with self.assertRaisesRegex(ValueError, f"{name} has no effect with method='{method}'"):
+                planish.smooth(points, cells, method=method, **wrong)
+        with planish.Plan(points, cells, slide="auto") as plan, self.assertRaisesRegex(ValueError, "slide has no effect"):
+            plan.smooth(method=method)
+        np.testing.assert_array_equal(points, before)
+        planish.smooth(points, cells, method=method, slide="none", layers="ignore", fix=[0])
+        self.assertTrue((points != before).any())
 
     def test_no_circles(self):
         """Modules of the package import one another in one direction."""

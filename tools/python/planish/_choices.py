@@ -95,6 +95,12 @@ class RunChoices(NamedTuple):
     progress: Optional[Callable[[Progress], Any]] = None
 
 
+# Options that Laplacian methods do not heed.
+_PLAN_OPTIMISES = ("only_worse_than", "rings", "layers", "slide", "slide_interfaces", "onto", "like", "size", "size_from",
+                   "keep_sizes", "size_weight")
+_RUN_OPTIMISES = ("objective", "worst_measure", "worst_rise", "area_weight", "curve_quality", "surface_tolerance",
+                  "direction", "untangle")
+
 # ---- plans ------------------------------------------------------------------------------------------
 
 
@@ -180,12 +186,28 @@ def check_run(run: RunChoices) -> None:
             raise ValueError(f"{name} has no effect without objective='worst'")
 
 
+def _given(choices: Any, names: tuple[str, ...]) -> list[str]:
+    """Return those of the names whose option is not as usual."""
+    usual = type(choices)()._asdict()
+    return [name for name, value in choices._asdict().items()
+            if name in names and value is not usual[name] and (usual[name] is None or value != usual[name])]
+
+
 def check_run_onto(run: RunChoices) -> None:
     """Raise ValueError if a run of a plan with onto has an option that has no place beside it."""
     _refuse_beside_onto(box=run.box is not None,
                         max_displacement=length(run.max_displacement, "max_displacement")[0] != 0)
-    if run.method != "planish":
-        raise ValueError(f"onto has no effect with method={run.method!r}")
+
+
+def check_method(choices: PlanChoices, run: RunChoices) -> None:
+    """Raise ValueError if a Laplacian method does not heed an option of its plan or run."""
+    if run.method == "planish":
+        return
+    heeded = choices._replace(slide=choices.slide if choices.slides()[0] else None,
+                              layers="keep" if choices.layers == "keep" else None)
+    given = _given(heeded, _PLAN_OPTIMISES) + _given(run, _RUN_OPTIMISES)
+    if given:
+        raise ValueError(f"{given[0]} has no effect with method={run.method!r}")
 
 
 def _check_objective(run: RunChoices, has_types: bool) -> None:

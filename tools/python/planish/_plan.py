@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _targets
 from ._arrays import Points, address, chosen_nodes, pointer, refuse_masked
 from ._choices import (Direction, Fix, Layers, Length, Method, Nodes, Objective, Path, PlanChoices, RunChoices,
-                       Slide, WorstMeasure, check_curved, check_plan, check_run_onto, set_run, size_weight_of)
+                       Slide, WorstMeasure, check_curved, check_method, check_plan, check_run_onto, set_run, size_weight_of)
 from ._files import opened
 from ._fit import Fit
 from ._layers import take_layers
@@ -195,7 +195,7 @@ class Plan:
         self._smoother = 0  # the thread that smooths
         self._process = os.getpid()
         self._fit: Optional[Fit] = None
-        self._has_onto = choices.onto is not None
+        self._choices = choices
         self._start: Optional[NDArray[Any]] = None  # points before onto moved them
         self._is_stopped = False
         self._view = _view_for(source, choices)
@@ -479,7 +479,8 @@ class Plan:
 
     def _set_run(self, choices: RunChoices, options: Options) -> None:
         """Check the options of a run, and set them in options."""
-        if self._has_onto:
+        check_method(self._choices, choices)
+        if self._choices.onto is not None:
             check_run_onto(choices)
         if choices.surface_tolerance != 0 and self.shape is None:
             raise ValueError("surface_tolerance has no effect without slide='curved'")
