@@ -167,6 +167,37 @@ data, sol = (json.load(open(name + ".json"))["after"]["rms_aspect_ratio"] for na
 assert abs(data / sol - 1) < 1e-6, (data, sol)
 END2
 done
+
+# In other planes tensors turn with the mesh. The third direction has another size, which does not matter there.
+cat >turn.py <<'END2'
+import sys
+import numpy as np
+
+turn = np.array({"xz": [[1, 0, 0], [0, 0, -1], [0, 1, 0]], "yz": [[0, 0, 1], [1, 0, 0], [0, 1, 0]],
+                 "tilted": [[2, -1, 2], [2, 2, -1], [-1, 2, 2]]}[sys.argv[1]]) / (3 if sys.argv[1] == "tilted" else 1)
+lines = open("quads.vtk").read().split("\n")
+points, tensors = lines.index("POINTS 289 double") + 1, lines.index("TENSORS m double") + 1
+turned = np.array([line.split() for line in lines[points:points + 289]], dtype=float) @ turn.T
+lines[points:points + 289] = [" ".join(map(repr, row)) for row in turned.tolist()]
+metrics = np.array([line.split() for line in lines[tensors:tensors + 867]], dtype=float).reshape(289, 3, 3)
+metrics[:, 2, 2] = 100
+lines[tensors:tensors + 867] = [" ".join(map(repr, row)) for row in (turn @ metrics @ turn.T).reshape(867, 3).tolist()]
+print("\n".join(lines))
+END2
+if /usr/bin/python3 -c 'import numpy' 2>/dev/null; then
+    expect_status 0 "$program" smooth quads.vtk --size m --size-weight 0 --slide auto -o a.vtk --json flat.json
+    for plane in xz yz tilted; do
+        /usr/bin/python3 turn.py $plane >turned.vtk
+        expect_status 0 "$program" smooth turned.vtk --size m --size-weight 0 --slide auto -o a.vtk --json report.json
+        expect_json 'r["mesh"]["plane"] is not None and all(
+            abs(r[when]["rms_aspect_ratio"] / json.load(open("flat.json"))[when]["rms_aspect_ratio"] - 1) < limit
+            for when, limit in (("before", 1e-9), ("after", 1e-4)))'
+    done
+    expect_status 2 "$program" smooth turned.vtk --size-from quads-metric.sol -o wrong.vtk
+    expect_one_line
+    expect_text "metrics of two dimensions are for meshes in the plane of x and y"
+    expect_no_file wrong.vtk
+fi
 expect_status 0 "$program" quality quads.vtk --size m --json report.json --report page.html
 expect_json 'r["target"] == "metric" and r["quality"]["rms_aspect_ratio"] > 1.2'
 grep -qF 'should have the metric in <code>m</code>' page.html || fail "the page says the metric"

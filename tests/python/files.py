@@ -184,6 +184,20 @@ class Files(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, text):
                 planish.smooth(planish.read(path), size="m")
 
+    def check_metrics_in_planes(self):
+        """Metrics in space turn with the plane of the mesh."""
+        flat, cells, _ = box(2, amount=0.1)
+        turn = np.array([[2, -1, 2], [2, 2, -1], [-1, 2, 2]]) / 3
+        for frame in np.eye(3)[[0, 2, 1]], np.eye(3)[[2, 0, 1]], turn:
+            points = flat @ frame[:2]
+            path = self.write("plane.vtk", points, [("triangle", cells)])
+            wanted = (1 + flat[:, :1, None]) * np.diag([1, 4, 100.0])
+            self.write_data(path, "m", frame.T @ wanted @ frame)
+            self.same_as_the_program(path, ["--size", "m", "--size-weight", "0"], size="m", size_weight=0)
+            found, same = (planish.quality(*mesh, size=size).cells.all.rms_aspect_ratio
+                           for mesh, size in (((planish.read(path),), "m"), ((flat, cells), wanted[:, :2, :2])))
+            self.assertAlmostEqual(found, same, 9)
+
     @unittest.skipIf(not PROGRAM, "without the program")
     def test_sizes_of_files(self):
         points, cells, _ = box(3, amount=0.1)
@@ -198,6 +212,7 @@ class Files(unittest.TestCase):
         self.write_data(path, "m", np.eye(3) * np.array([1, 1, 4.0]) * (1 + points[:, :1, None]))
         self.same_as_the_program(path, ["--size", "m", "--size-weight", "0"], size="m", size_weight=0)
         self.check_wrong_metrics(points, kinds)
+        self.check_metrics_in_planes()
         self.write_sol(self.folder / "h.sol", 1 + points[:, 0])
         self.same_as_the_program(path, ["--size-from", self.folder / "h.sol"], size_from=self.folder / "h.sol")
         with self.assertRaisesRegex(ValueError, "no such array|has no array|there are|'x'"):

@@ -23,7 +23,9 @@ typedef struct sizing {
     planish_cells cells; /* all elements */
     uint8_t *is_used;    /* [n_nodes] whether a node is of an element, owned */
     planish_data data;   /* as read, owned */
-    pl_sizes *found;     /* owned by the caller */
+    int is_turned;       /* the plane of the mesh is not that of x and y, but: */
+    planish_plane plane;
+    pl_sizes *found; /* owned by the caller */
 } sizing;
 
 /** Complain of sizes: the text is about the file or array of that name. */
@@ -133,12 +135,12 @@ static int take_sizes(sizing *s) {
 static const int8_t *places_of(const sizing *s) {
     static const int8_t lower[] = {0, 1, 2, 3, 4, 5}, in_plane[] = {0, 2, 3},
                         by_rows[] = {0, 3, 4, 6, 7, 8};
-    const int dim = s->mesh->dim;
+    const int is_in_plane = s->mesh->dim == 2 && !s->is_turned;
     switch (s->data.n_components) {
     case 3:
-        return dim == 2 && s->is_solution ? lower : NULL; /* vectors of a mesh have 3, too */
+        return is_in_plane && s->is_solution ? lower : NULL; /* vectors of a mesh have 3, too */
     case 4:
-        return dim == 2 ? in_plane : NULL;
+        return is_in_plane ? in_plane : NULL;
     case 6:
         return lower;
     case 9:
@@ -189,15 +191,32 @@ static int complain_metric(const sizing *s, int64_t i, const char *what) {
                        of_elements ? "element" : "node", number, what);
 }
 
+/** Set m, a metric in space, to that in the plane of the mesh. */
+static void turn_metric(const planish_plane *plane, double m[6]) {
+    const double full[3][3] = {{m[0], m[1], m[3]}, {m[1], m[2], m[4]}, {m[3], m[4], m[5]}};
+    const double(*along)[3] = plane->direction;
+    double half[2][3];
+    for (int a = 0; a < 2; a++)
+        for (int c = 0; c < 3; c++)
+            half[a][c] =
+                along[a][0] * full[0][c] + along[a][1] * full[1][c] + along[a][2] * full[2][c];
+    for (int a = 0, k = 0; a < 2; a++)
+        for (int b = 0; b <= a; b++, k++)
+            m[k] = half[a][0] * along[b][0] + half[a][1] * along[b][1] + half[a][2] * along[b][2];
+}
+
 /** Take the metric of value i. */
 static int take_metric(const sizing *s, const int8_t *place, int64_t i, double m[6]) {
     const planish_data *data = &s->data;
-    const int dim = s->mesh->dim;
-    for (int k = 0; k < dim * (dim + 1) / 2; k++)
+    const int dim = s->mesh->dim, n = s->is_turned ? 6 : dim * (dim + 1) / 2;
+    for (int k = 0; k < n; k++)
         m[k] = data->values[i * data->n_components + place[k]];
+    const int is_small = largest_entry(n, m) <= MOST_ENTRY;
+    if (s->is_turned)
+        turn_metric(&s->plane, m);
     if (!data->of_elements && !s->is_used[i])
         return 0;
-    if (!(largest_entry(dim * (dim + 1) / 2, m) <= MOST_ENTRY))
+    if (!is_small)
         return complain_metric(s, i, "has an entry that is not a number from -1e290 to 1e290");
     if (!is_symmetric(s, i))
         return complain_metric(s, i, "is not symmetric");
@@ -297,6 +316,9 @@ static int read_values(sizing *s, const pl_arguments *arguments) {
     const int8_t *place = places_of(s);
     if (place)
         return take_metrics(s, place);
+    if (s->is_turned && (s->data.n_components == 3 || s->data.n_components == 4))
+        return complain(s, "metrics of two dimensions are for meshes in the plane of x and y: give "
+                           "symmetric tensors of three");
     if (s->data.n_components != 1)
         return pl_complain(
             PL_EXIT_FAILED,
@@ -326,6 +348,7 @@ int pl_sizes_read(const pl_arguments *arguments, planish_file *file, int threads
                 .found = sizes};
     planish_error error;
     *sizes = (pl_sizes){NULL, NULL};
+    s.is_turned = planish_file_plane(file, &s.plane);
     if (planish_file_cells(file, &s.cells, &error))
         return pl_complain(PL_EXIT_FAILED, "%s: %s", arguments->input, error.text);
     int status = find_used(&s);

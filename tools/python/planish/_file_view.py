@@ -167,7 +167,10 @@ class FileView(View):
         layout = self.source.layout()
         if values.shape[1] == 1:
             return sizes_at_nodes(values[:, 0], layout, of_elements, self.n)
-        return metrics_at_nodes(values, layout, of_elements, self.n, self.dim, is_solution)
+        plane = self.source.plane()
+        is_turned = plane is not None and self.dim == 2
+        frame = np.array([list(row) for row in plane.direction]) if is_turned else None  # type: ignore[union-attr]
+        return metrics_at_nodes(values, layout, of_elements, self.n, self.dim, is_solution, frame)
 
     # ---- nodes that slide ---------------------------------------------------------------------------------
 

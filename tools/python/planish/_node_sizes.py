@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Optional
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,9 +99,20 @@ def _matrices(values: Array, dim: int, is_solution: bool, is_used: Array, what: 
     return full
 
 
-def metrics_at_nodes(values: Array, layout: Layout, of_elements: bool, n: int, dim: int,
-                     is_solution: bool) -> NDArray[np.float64]:
-    """Return metrics at the nodes [n, dim, dim].
+def _turned(full: Array, frame: Array) -> NDArray[np.float64]:
+    """Return metrics [.., 2, 2] in a plane for those in space [.., 3, 3]. frame: its directions [2, 3]."""
+    half = [[along[0] * full[:, 0, c] + along[1] * full[:, 1, c] + along[2] * full[:, 2, c] for c in range(3)]
+            for along in frame]
+    found = np.zeros((len(full), 2, 2))
+    for a, b in ((0, 0), (1, 0), (1, 1)):
+        x, y, z = half[a]
+        found[:, a, b] = found[:, b, a] = x * frame[b, 0] + y * frame[b, 1] + z * frame[b, 2]
+    return found
+
+
+def metrics_at_nodes(values: Array, layout: Layout, of_elements: bool, n: int, dim: int, is_solution: bool,
+                     frame: Optional[Array] = None) -> NDArray[np.float64]:
+    """Return metrics at the nodes [n, dim, dim]. frame: directions [2, 3] of a plane that is not that of x and y.
 
     Metrics of elements become their mean at each node. A node in no element gets the mean of the others.
     Raise ValueError for the first metric that is not symmetric and positive definite, or has too large an entry.
@@ -109,9 +121,13 @@ def metrics_at_nodes(values: Array, layout: Layout, of_elements: bool, n: int, d
     count = np.bincount(nodes, minlength=n)
     is_used = count > 0
     what, counts = ("element", np.full(len(values), True)) if of_elements else ("node", is_used)
-    matrices = _matrices(values, dim, is_solution, counts, what)
+    if frame is not None and values.shape[1] in (3, 4):
+        raise ValueError("metrics of two dimensions are for meshes in the plane of x and y: give symmetric tensors of three")
+    matrices = _matrices(values, dim if frame is None else 3, is_solution, counts, what)
     _refuse_metrics(counts & ~(np.abs(matrices).max(axis=(1, 2)) <= _MOST_ENTRY), what,
                     f"has an entry that is not a number from -{_MOST_ENTRY:g} to {_MOST_ENTRY:g}")
+    if frame is not None:
+        matrices = _turned(matrices, frame)
     _refuse_metrics(counts & ~_are_positive(matrices), what, "is not positive definite")
     if of_elements:
         flat = matrices.reshape(len(matrices), -1)
