@@ -331,7 +331,10 @@ static void wrong_files_are_refused(void **state) {
         {END "  2411\n1 1 1 1\n0 0 0\n1 1 1 1\n1 0 0\n" END TET, "occurs twice, at"},
         {FOUR END "    15\n1 1 1 1 0 0 0\n" END TET, "dataset 15 beside"},
         /* What stands before columns is no part of a coordinate: it would be one without blanks. */
-        {END "    15\n" "         1         1 1 1           9         1.00000E+00  2.00000E+00  3.00000E+00\n" END TET,
+        {END
+         "    15\n"
+         "         1         1 1 1           9         1.00000E+00  2.00000E+00  3.00000E+00\n" END
+             TET,
          "node 1: three coordinates"},
         {FOUR END "    71\n1 1 111 1 1 7 4\n1 2 3 4\n" END, "test:13: elements of dataset 71"},
         {FOUR END "  2412\n1 111 1 1 7 4\n1 2 3 5\n" END, "element 1: there is no node 5"},
@@ -442,6 +445,14 @@ static void numbers_of_13_columns(void **state) {
         planish_file_close(file);
         rewriting_gives(&io_format_unv, before, "xyz", after, *state);
     }
+    /* Any white space parts numbers, also where a new number fills its column to the next one. */
+    static const char begin[] = END "    15\n         1         0         0      11 \v";
+    char before[2048], after[2048];
+    snprintf(before, sizeof before, "%s0.00000E+00  0.00000E+00    0.00000E+00\n%s" TET, begin,
+             rest);
+    snprintf(after, sizeof after, "%s      1.25E-10.00000E+00   1.23456789E5\n%s" TET, begin, rest);
+    rewriting_gives(&io_format_unv, before, "xz", after, *state);
+    planish_file_close(reading_text(&io_format_unv, after));
 }
 
 static void nothing_but_coordinates_changes(void **state) {

@@ -95,8 +95,17 @@ typedef struct places {
     const char *column[4]; /* where these begin and end, at most at the line's end */
 } places;
 
+/** Return text without white space around it: any, as between words. */
+static io_slice trim(const char *begin, const char *end) {
+    while (begin < end && io_is_space(*begin))
+        begin++;
+    while (begin < end && io_is_space(end[-1]))
+        end--;
+    return (io_slice){begin, end};
+}
+
 static int is_blank(const char *begin, const char *end) {
-    return io_slice_length(io_slice_trim((io_slice){begin, end})) == 0;
+    return io_slice_length(trim(begin, end)) == 0;
 }
 
 /** Find the coordinates in a line, which begins at begin: columns of that width begin at column
@@ -123,7 +132,7 @@ static int find_places(const char *begin, io_slice text, int64_t first, int64_t 
     /* Numbers that fill their columns have no blanks between. */
     found->is_fixed = 1;
     for (int d = 0; d < 3; d++)
-        found->number[d] = io_slice_trim((io_slice){found->column[d], found->column[d + 1]});
+        found->number[d] = trim(found->column[d], found->column[d + 1]);
     return is_behind && is_blank(text.begin, found->column[0]) &&
                    io_slice_length(found->number[2]) > 0 && is_blank(found->column[3], text.end)
                ? 0
