@@ -659,7 +659,7 @@ class Files(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "other nodes or elements"):
             planish.smooth(mesh, like=planish.read(DATA.parents[1] / "docs" / "examples" / "bracket.msh"))
         np.testing.assert_array_equal(mesh.points, start)
-        for damaged in DATA.glob("damaged.med" if QUICK else "damaged*.med"):  # one takes seconds: tests/cli/hdf5.sh
+        for damaged in DATA.glob("damaged.med" if QUICK else "damaged*.med"):  # one takes seconds: tests/io/test_child.c
             with self.assertRaises(planish.FileError):
                 planish.read(damaged)
         copied = pickle.loads(pickle.dumps(planish.FileError("text", -4, 1, 2)))
