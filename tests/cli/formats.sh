@@ -17,7 +17,7 @@ for file in ascii22.msh binary22.msh ascii41.msh binary41.msh medit.mesh ascii.v
     [ "$file" != tetgen.node ] || cmp tetgen.ele smooth.tetgen.ele || fail "the companion of $file"
     # Smooth already: read again, nothing is inverted and next to nothing can be won.
     expect_status 0 "$program" smooth "$out" -o "again.$file" --json again.$file.json -q
-    names+=($file)
+    names+=("$file")
 done
 python3 - "${names[@]}" <<'END' || fail "what was written"
 import json, sys, traceback
