@@ -97,6 +97,11 @@ lacks() {
     ! "$program" quality "$1" -q >/dev/null 2>lacks && grep -q "was built without\|packed by" lacks
 }
 
+# has_modules NAME...: Debian's Python has these; they are not loaded, which takes a second for some.
+has_modules() {
+    /usr/bin/python3 -c 'import importlib.util, sys; sys.exit(not all(map(importlib.util.find_spec, sys.argv[1:])))' "$@"
+}
+
 # some WORD...: all of them; every third one where PLANISH_QUICK leaves the others to tools/check --full.
 some() {
     local step=1 i
@@ -104,6 +109,11 @@ some() {
     for ((i = 1; i <= $#; i += step)); do
         printf '%s\n' "${!i}"
     done
+}
+
+# unless_quick WORD...: all of them, or none where PLANISH_QUICK leaves them to tools/check --full.
+unless_quick() {
+    [ -n "${PLANISH_QUICK-}" ] || printf '%s\n' "$@"
 }
 
 finish() {

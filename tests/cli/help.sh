@@ -45,7 +45,13 @@ done
 "$program" help | cmp - <("$program" --help) || fail "planish help and --help"
 
 # Every option of each command is, too, and no other.
+# one_line: the lines of standard input, with blanks around each
+one_line() {
+    sed 's/^/ /; s/$/ /' | tr -d '\n'
+}
 page=$(sed 's/\\-/-/g; s/\\f[BRI]//g' planish.1)
+of_page=$(grep -oE '^(-., )?--[a-z-]+( |$)' <<<"$page" | grep -o -e '--[a-z-]*' | one_line)
+of_document=$(grep -o '`--[a-z-]*[` ]' "$source_folder/docs/program.md" | tr -d '` ' | one_line)
 for command in $commands; do
     wanted=$(options "$command" | sort)
     [ "$(wc -w <<<"$wanted")" -ge 3 ] || fail "$command has too few options: $wanted"
@@ -53,19 +59,22 @@ for command in $commands; do
         fail "bash offers other options of $command"
     [ "$(zsh_options "$command" | sort)" = "$wanted" ] || fail "zsh offers other options of $command"
     for option in $wanted; do
-        grep -q -e "^\(-., \)\?--$option\( \|$\)" <<<"$page" || fail "planish(1) lacks --$option"
-        grep -q -e "\`--$option[\` ]" "$source_folder/docs/program.md" ||
-            fail "docs/program.md lacks --$option"
+        [[ $of_page == *" --$option "* ]] || fail "planish(1) lacks --$option"
+        [[ $of_document == *" --$option "* ]] || fail "docs/program.md lacks --$option"
+    done
+    for option in $(some $wanted); do
         "$program" "$command" "--$option" x --no-such-option >out 2>err </dev/null
-        ! grep -q -e "--$option'\? is not one of\|unknown option '--$option'" err ||
-            fail "$command does not know --$option"
+        contents_of err
+        [[ $contents != *"--$option is not one of"* && $contents != *"--$option' is not one of"* &&
+            $contents != *"unknown option '--$option'"* ]] || fail "$command does not know --$option"
     done
 done
 for command in $commands; do
     options "$command"
 done >options
+of_commands=$(one_line <options)
 for option in $(grep -o -e '^\(-., \)\?--[a-z-]*' <<<"$page" | sed 's/.*--//'); do
-    grep -qx -e "$option" options || fail "planish(1) has --$option, which no command has"
+    [[ $of_commands == *" $option "* ]] || fail "planish(1) has --$option, which no command has"
 done
 
 # The sections of smooth's help are those of docs/program.md, with the same options, each in one section.
@@ -79,8 +88,10 @@ sections=$("$program" smooth --help | sed -n 's/^\([A-Z][a-z ]*\):$/\1/p' | grep
 while read -r section; do
     wanted=$(section_options "$section")
     [ -n "$wanted" ] || fail "no option in section $section"
+    of_section=$(sed -n "/^### $section$/,/^##* /p" "$source_folder/docs/program.md" | grep '^|' |
+        grep -o '`--[a-z-]*[` ]' | tr -d '` ' | one_line)
     for option in $wanted; do
-        sed -n "/^### $section$/,/^##* /p" "$source_folder/docs/program.md" | grep -q -e "^|.*\`--$option[\` ]" ||
+        [[ $of_section == *" --$option "* ]] ||
             fail "section $section of docs/program.md lacks --$option"
     done
 done <<<"$sections"
@@ -132,8 +143,9 @@ formats=$(sed -n 's/.*there are \(.*\) (docs.*/\1/p' err | tr -d ,)
     fail "--format has other formats than the library: $formats"
 listed=$("$program" help smooth | tr -s '\n ' ' ' | sed 's/.*format of the input: \([^(]*\) (.*/\1/; s/,\| or / /g')
 [ "$(tr -s ' ' '\n' <<<"$listed")" = "$(tr ' ' '\n' <<<"$formats")" ] || fail "help of --format: $listed"
+of_document=$(grep -o '^| .* | `[a-z0-9]*` | ' "$source_folder/docs/formats.md" | grep -o '`[a-z0-9]*` | $' | tr -d '`|' | one_line)
 for format in $formats; do
-    grep -q "^| .* | \`$format\` | " "$source_folder/docs/formats.md" || fail "docs/formats.md lacks $format"
+    [[ $of_document == *" $format "* ]] || fail "docs/formats.md lacks $format"
 done
 grep -q "$(wc -w <<<"$formats") formats" "$source_folder/README.md" || fail "README.md has another number of formats"
 [ "$(completions planish quality a_f)" = a_file ] || fail "completion of a file"

@@ -11,7 +11,8 @@ mkdir sweeps
 expect_status 64 "$program" smooth valid.mesh -o x.mesh --history 5
 expect_text "give --report FILE.html"
 expect_one_line
-for k in 2 101 -5 5.5 many ""; do
+mapfile -t wrong < <(some 2 -5 5.5 101 many "")
+for k in "${wrong[@]}"; do
     expect_status 64 "$program" smooth valid.mesh -o x.mesh --report x.html --history "$k"
     expect_text "must be a whole number from 3 to 100"
 done
@@ -28,7 +29,7 @@ check_history() {
 }
 
 # Each state is the mesh that so many sweeps alone make, in space and in the plane; few and many of them.
-for k in 3 6 20 100; do
+for k in $(some 6 3 20 100); do
     for mesh in valid.mesh square.msh; do
         expect_status 0 "$program" smooth $mesh -o with.msh --tolerance 1e-7 --history $k --report page.html --json page.json -q
         expect_status 0 "$program" smooth $mesh -o without.msh --tolerance 1e-7 -q
@@ -57,7 +58,7 @@ steps_of() {
 }
 expect_status 0 "$program" smooth tangled.mesh -o out.mesh --best --slide auto --history 30 --report one.html --json one.json -q -j 1
 check_history one.html one.json 30
-for j in 2 3; do
+for j in $(some 3 2); do
     expect_status 0 "$program" smooth tangled.mesh -o other.mesh --best --slide auto --history 30 --report more.html -q -j $j
     cmp out.mesh other.mesh || fail "the result on $j threads"
     [ -n "$(steps_of one.html)" ] && [ "$(steps_of one.html)" = "$(steps_of more.html)" ] || fail "the steps on $j threads"

@@ -1,4 +1,4 @@
-"""hundred_files.py PROGRAM FOLDER [N]: makes, in a new folder, N (100) files of each of eight formats from arrays: elements of all types, of
+"""hundred_files.py PROGRAM FOLDER [I...]: makes, in a new folder, files I (0 to 99) of each of eight formats from arrays: elements of all types, of
 first and second order, in text and in binary, of several precisions, packed and in regions. PROGRAM measures each: the
 number of its elements and their whole volume must be what numpy finds in the arrays. Prints a table. Needs numpy, meshio,
 h5py, vtk and Gmsh's module.
@@ -308,7 +308,8 @@ def judge(program, path, mesh, points):
 
 
 def main():
-    program, folder, n = os.path.abspath(sys.argv[1]), sys.argv[2], int(sys.argv[3]) if len(sys.argv) > 3 else 100
+    program, folder = os.path.abspath(sys.argv[1]), sys.argv[2]
+    numbers = [int(word) for word in sys.argv[3:]] or range(100)
     os.makedirs(folder)
     os.chdir(folder)  # meshio has files of XDMF name others as it is told
     gmsh.initialize()
@@ -318,7 +319,7 @@ def main():
     print("| format | files | read | wrong |\n| --- | --: | --: | --: |")
     for make in (exodus, mfem, ucd, su2, unv, xdmf, elmer, openfoam):
         read = wrong = 0
-        for i in range(n):
+        for i in numbers:
             path, mesh = make("%s%d" % (make.__name__, i), i)
             is_single = i % 3 == 2 if make in (ucd, exodus) else make is openfoam and i // 4 % 2
             is_read, problem = judge(program, path, mesh,
@@ -328,7 +329,7 @@ def main():
                 wrong += 1
                 print("%s: %s" % (path, problem), file=sys.stderr)
         n_wrong += wrong
-        print("| %s | %d | %d | %d |" % (make.__name__, n, read, wrong), flush=True)
+        print("| %s | %d | %d | %d |" % (make.__name__, len(numbers), read, wrong), flush=True)
         for name in os.listdir():
             shutil.rmtree(name) if os.path.isdir(name) else os.remove(name)
     gmsh.finalize()

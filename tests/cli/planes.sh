@@ -15,7 +15,9 @@ make() {
 for kind in $kinds; do
     make "$kind" xy || continue
     expect_status 0 "$program" smooth "xy.$kind" -o "xy-out.$kind" -q
-    for plane in yz zx; do
+    planes="yz zx"
+    [ -z "${PLANISH_QUICK-}" ] || [ $kind = vtk ] || planes=zx
+    for plane in $planes; do
         make "$kind" "$plane"
         expect_status 0 "$program" smooth "$plane.$kind" -o "$plane-out.$kind" -q --threads 2
         python3 "$mesh" same "$plane" "xy-out.$kind" "$plane-out.$kind" ||
@@ -75,7 +77,7 @@ END
 # axis that is nearest to the normal, by exact signs; the same on any number of threads.
 for kind in $kinds; do
     planes=tilt
-    [ $kind != vtk ] && [ $kind != f.vtk ] || planes="345 tilt steep"
+    [ $kind != vtk ] && [ $kind != f.vtk ] || planes="tilt $(some 345 steep)"
     for plane in $planes; do
         make "$kind" "$plane" || continue
         expect_status 0 "$program" smooth "$plane.$kind" -o "$plane-out.$kind" -q --json report.json
@@ -90,13 +92,13 @@ for kind in $kinds; do
         esac
         python3 "$mesh" judge "$plane.$kind" "$plane-out.$kind" $tolerance >judged ||
             { cat judged; fail "$kind $plane"; }
-        grep -q "moved $(python3 -c "import json; print(json.load(open('report.json'))['moved_nodes'])") " judged ||
-            fail "$plane.$kind: moved nodes: $(cat judged)"
         expect_json "r['mesh']['plane']['tilted'] and r['after']['inverted'] == 0 and r['returned_nodes'] == 0"
         expect_status 0 "$program" quality "$plane-out.$kind" -q --json quality.json
         python3 - "$tolerance" <<'END' || fail "$plane.$kind: what was judged is what was written"
 import json, math, sys
-wanted, found = json.load(open("report.json"))["after"], json.load(open("quality.json"))["quality"]
+report, found = json.load(open("report.json")), json.load(open("quality.json"))["quality"]
+wanted, judged = report["after"], open("judged").read()
+assert "moved %d " % report["moved_nodes"] in judged, judged
 assert found["inverted"] == 0
 assert math.isclose(wanted["rms_radius_ratio"], found["rms_radius_ratio"], rel_tol=max(1e-9, float(sys.argv[1])))
 END

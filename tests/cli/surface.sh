@@ -93,6 +93,7 @@ for form in ascii stl obj ply off mesh; do
     name=torus-$form.$form
     [ $form = ascii ] && name=torus-ascii.stl
     python3 make.py torus $form >"$name"
+    case $form in stl | off) ;; *) [ -z "${PLANISH_QUICK-}" ] || continue ;; esac
     expect_status 0 "$program" smooth "$name" -o "out-$name" --json report.json
     expect_json "r['mesh']['in_space'] and r['mesh']['dimension'] == 2 and r['mesh']['sliding_nodes'] == 648"
     expect_json "r['after']['max_radius_ratio'] < 0.7 * r['before']['max_radius_ratio']"
@@ -107,13 +108,17 @@ for form in ascii stl obj ply off mesh; do
 done
 python3 - <<'END' || fail "formats of the same digits give the same surface"
 import json
-worst = [json.load(open(f + ".json"))["quality"]["max_radius_ratio"] for f in ("ascii", "stl", "obj", "ply", "off", "mesh")]
+import os
+names = [f + ".json" for f in ("ascii", "stl", "obj", "ply", "off", "mesh")]
+worst = [json.load(open(name))["quality"]["max_radius_ratio"] for name in names if os.path.exists(name)]
+assert len(worst) in (2, 6)
 assert max(worst) - min(worst) < 1e-3 * max(worst), worst
 END
+expect_status 0 "$program" smooth torus-ply.ply -o out.ply
+tr '\n' ' ' <out >text
 for text in "648 of 648 nodes move on the surface" "surface in space, closed" "on patches" \
     "surface moved by at most" "(certified)"; do
-    expect_status 0 "$program" smooth torus-ply.ply -o out.ply
-    tr '\n' ' ' <out | grep -qF "$text" || fail "the table says '$text'"
+    grep -qF "$text" text || fail "the table says '$text'"
 done
 
 # Same bits on any number of threads.
@@ -125,7 +130,7 @@ cmp one.off three.off || fail "threads change the result"
 expect_status 0 "$program" smooth torus-off.off -o out.off -q --surface-tolerance 0.02h --json report.json
 expect_json "0 < r['surface']['distance_in_edges'] <= 0.021 and r['surface']['tolerance'] == 0.02"
 cp torus-off.off now.off
-for run in 1 2 3; do
+for run in 1 2 $(unless_quick 3); do
     expect_status 0 "$program" smooth now.off -o now.off -q --surface-of torus-off.off --json report.json
 done
 expect_json "r['surface']['distance_in_edges'] <= 0.0525 and r['surface']['original'] == 'torus-off.off'"
@@ -138,7 +143,7 @@ expect_json "r['surface']['open_edges'] == 72 and r['surface']['on_curves'] == 7
 expect_status 0 "$program" smooth tube.off -o out.off --slide none --json report.json -q
 expect_json "r['surface']['on_curves'] == 0 and r['moved_nodes'] > 500"
 python3 make.py cube off 40 >cube.off
-for how in auto curved; do
+for how in $(some curved auto); do
     expect_status 0 "$program" smooth cube.off -o out.off -q --slide $how --json report.json
     expect_json "r['surface']['on_planes'] == 486 and r['surface']['on_lines'] == 108 and r['surface']['corners'] == 8"
     expect_json "r['surface']['distance'] < 1e-6 and r['after']['rms_radius_ratio'] < r['before']['rms_radius_ratio']"

@@ -4,7 +4,7 @@
 . "$(dirname "$0")/common.sh"
 
 python=/usr/bin/python3
-"$python" -c "import meshio, numpy, vtk" 2>/dev/null || { echo "skipped: no meshio or vtk"; exit 77; }
+has_modules meshio numpy vtk || { echo "skipped: no meshio or vtk"; exit 77; }
 command -v gmsh >/dev/null || { echo "skipped: no gmsh"; exit 77; }
 
 # Tetrahedra, wedges and hexahedra with curved sides, in which another order of nodes would show.

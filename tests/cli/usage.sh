@@ -86,13 +86,15 @@ in.msh --slide-tolerance 1|--slide-tolerance '1' must be a fraction above 0
 LINES
 
 # Values: the whole word, in range, finite.
-for value in "" x 1x " 1" "1 " -1 +1 1.5 99999999999999999999 0x10; do
+mapfile -t values < <(some "1 " x 1x -1 " 1" "" 99999999999999999999 +1 1.5 0x10)
+for value in "${values[@]}"; do
     bad smooth in.msh -o out.msh --only-worse-than 2 --rings "$value"
     bad smooth in.msh -o out.msh --max-sweeps "$value"
     bad smooth in.msh -o out.msh --threads "$value"
 done
 bad smooth in.msh -o out.msh -j 0
-for value in "" x 1x " 1" "1 " nan inf 1e999 0x1p3 1,5; do
+mapfile -t values < <(some nan x 1x "1 " " 1" "" 1e999 inf 0x1p3 1,5)
+for value in "${values[@]}"; do
     bad smooth in.msh -o out.msh --tolerance "$value"
     bad smooth in.msh -o out.msh --time-limit "$value"
     bad smooth in.msh -o out.msh --only-worse-than "$value"
@@ -107,7 +109,8 @@ for arguments in "--layers 1" --layers=1; do
     bad smooth in.msh -o out.msh --only-worse-than 2 $arguments
     expect_text "give --rings"
 done
-for value in "" none holds "hold "; do
+mapfile -t values < <(some "hold " none holds "")
+for value in "${values[@]}"; do
     bad smooth in.msh -o out.msh --layers "$value"
     expect_text "hold, keep or ignore"
 done
@@ -120,16 +123,18 @@ bad smooth in.msh -o out.msh --layers keep --like in.msh
 expect_text "give --like or --layers keep, not both"
 bad smooth in.msh -o out.msh --layers keep --objective worst
 expect_text "--layers keep minimises the mean-ratio"
-for value in "" x -1 1.5 nan inf 0x1; do
+mapfile -t values < <(some nan x -1 1.5 "" inf 0x1)
+for value in "${values[@]}"; do
     bad smooth in.msh -o out.msh --curve-quality "$value"
 done
 bad smooth in.msh -o out.msh --curve-quality 0.5 --method laplacian
-for value in "" x -1 1.5 nan inf 0x1; do
+for value in "${values[@]}"; do
     bad smooth in.msh -o out.msh --like in.msh --size-weight "$value"
 done
 bad smooth in.msh -o out.msh --size-weight 0.5
 expect_text "without --like"
-for sizes in "--size h" "--size-from in.sol" --keep-sizes; do
+mapfile -t values < <(some "--size h" "--size-from in.sol" --keep-sizes)
+for sizes in "${values[@]}"; do
     bad smooth in.msh -o out.msh --like in.msh $sizes
     expect_text "not both"
     bad smooth in.msh -o out.msh $sizes --objective radius-ratio
@@ -151,7 +156,8 @@ bad smooth in.msh -o out.msh --format step
 bad smooth in.msh -o out.msh --fix ""
 bad smooth in.msh -o out.msh --fix "no such group"
 
-for value in "" x nan inf 1e999 0x1p3 " 1" "1 " 1,5 0 -1 1x; do
+mapfile -t values < <(some nan x inf 0 1e999 0x1p3 "1 " " 1" 1,5 -1 "" 1x)
+for value in "${values[@]}"; do
     bad smooth in.msh -o out.msh --min-volume "$value"
     bad smooth in.msh -o out.msh --min-volume "bracket=$value"
     bad smooth in.msh -o out.msh --min-volume-fraction "$value"
@@ -185,12 +191,12 @@ bad smooth in.msh -o out.msh --box 0,0,0,1,1,1,
 bad smooth in.msh -o out.msh --box 0,0,0,1,-1,1
 bad smooth in.msh -o out.msh --objective best
 bad smooth in.msh -o out.msh --method smart-laplacian
-for option in --objective --method --box --max-displacement --area-weight; do
+for option in $(some --objective --method --box --max-displacement --area-weight); do
     bad quality in.msh $option 1
 done
 
 # Options without any effect.
-for method in laplacian area-laplacian length-laplacian; do
+for method in $(some laplacian area-laplacian length-laplacian); do
     bad smooth in.msh -o out.msh --method $method --objective radius-ratio
     bad smooth in.msh -o out.msh --direction newton --method $method
     bad smooth in.msh -o out.msh --method $method --only-worse-than 2
@@ -227,7 +233,7 @@ bad smooth in.msh -o /dev/stdout --json -
 
 # TetGen's mesh is several files; the report may be none of them, neither read nor written.
 cp "$source_folder"/tests/data/tetgen.* .
-for report in tetgen.ele tetgen.node tetgen.face other.node other.ele other.edge; do
+for report in $(some tetgen.ele tetgen.node tetgen.face other.node other.ele other.edge); do
     bad smooth tetgen.node -o other.node --json $report
     bad smooth tetgen.ele -o other.ele --json $report
 done
@@ -237,8 +243,8 @@ cmp tetgen.ele "$source_folder/tests/data/tetgen.ele" || fail "the elements were
 cmp in.msh "$sample" || fail "the input was changed"
 
 # Help and version go to standard output and need nothing else.
-for arguments in --help "smooth --help" "quality --help" --version "smooth --version" \
-    "smooth nothing.msh --help"; do
+mapfile -t values < <(some --help "smooth --help" "quality --help" --version "smooth --version" "smooth nothing.msh --help")
+for arguments in "${values[@]}"; do
     # shellcheck disable=SC2086
     expect_status 0 "$program" $arguments
     [ -s out ] && [ ! -s err ] || fail "$arguments: output expected, and no message"

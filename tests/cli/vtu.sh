@@ -4,15 +4,16 @@
 . "$(dirname "$0")/common.sh"
 
 python=/usr/bin/python3
-"$python" -c "import meshio, numpy, vtk" 2>/dev/null ||
+has_modules meshio numpy vtk ||
     { echo "skipped: no VTK, meshio or numpy"; exit 77; }
 
 if lacks "$source_folder/tests/data/ascii.vtu"; then
     echo "skipped: planish was built without Expat"
     exit 77
 fi
-"$python" "$cli/vtk_variants.py" "$source_folder/tests/data/ascii.vtk" >names || fail "no files"
-[ "$(wc -l <names)" -gt 50 ] || fail "there should be more variants"
+"$python" "$cli/vtk_variants.py" "$source_folder/tests/data/ascii.vtk" >all || fail "no files"
+[ "$(wc -l <all)" -gt 50 ] || fail "there should be more variants"
+some $(tac all) >names # the first is of meshio
 while read -r name; do
     ! lacks "$name" || continue
     expect_status 0 "$program" smooth "$name" -o "smooth-$name" --json "$name.json" -q
@@ -29,11 +30,11 @@ for path in sorted(glob.glob("*.json")):
     rms.setdefault(name.endswith("1.vtu"), set()).add(report["after"]["rms_radius_ratio"])
 assert all(len(values) == 1 for values in rms.values()) and len(rms) == 2, rms
 END
-[ "$(wc -l <pairs)" -gt 50 ] || fail "too few were smoothed"
+[ "$(wc -l <pairs)" -gt $(($(wc -l <names) / 2)) ] || fail "too few were smoothed"
 "$python" "$cli/same_vtu.py" <pairs || fail "as VTK reads them"
 "$python" -c "
 import meshio
-name = '$(tail -n 1 names)'
+name = '$(head -n 1 names)'
 a, b = meshio.read(name), meshio.read('smooth-' + name)
 assert (a.points != b.points).any() and len(a.cells) == len(b.cells)
 assert all((x.data == y.data).all() for x, y in zip(a.cells, b.cells))" || fail "meshio"

@@ -27,6 +27,7 @@ except ImportError:
     meshio = None
 
 PROGRAM = os.environ.get("PLANISH_PROGRAM")
+QUICK = bool(os.environ.get("PLANISH_QUICK"))  # long tests leave the rest to tools/check --full
 
 
 def box(dim, cells=6, amount=0.14, seed=1):

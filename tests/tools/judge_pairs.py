@@ -119,11 +119,14 @@ def spoil_nodes(pair, outside, middle):
     expect_fault(pair, ["invalid", "status", "figures"], "an inner node far away", text=away)
     expect_fault(pair, ["invalid"], "the same without a report's certificate", text=away,
                  report=with_figure(pair.report, None, "certified", False), status=1)
-    for step in np.linspace(0.02, 0.3, 60):  # as near to a facet as it stays valid
+    low, high = 0.02, 0.3
+    for _ in range(6):  # as near to a facet as it stays valid
+        step = (low + high) / 2
         near = pair.moved(inner, points[inner] + (step, step / 3, 0))
         if "invalid" in {fault.split(":")[0] for fault in pair.judge(text=near)}:
-            break
-        bad = near
+            high = step
+        else:
+            low, bad = step, near
     expect_fault(pair, ["worst", "angle", "figures"], "an inner node near a facet", text=bad)
 
 
