@@ -240,7 +240,8 @@ static inline int fuzz_same_places(const planish_file *a, const double *at, cons
  *  roundings in a tilted plane may do that, too. */
 static inline int fuzz_meet(const planish_file *file, const double *x) {
     const planish_mesh mesh = planish_file_mesh(file);
-    const int is_welded = strcmp(file->format->name, "stl") == 0;
+    const char *name = file->format->name;
+    const int is_welded = strcmp(name, "stl") == 0 || strcmp(name, "mfem") == 0;
     if (is_welded && fuzz_has_noise(file))
         return 1;
     for (int64_t i = 0; is_welded && i < mesh.n_nodes; i++)
