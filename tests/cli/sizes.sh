@@ -211,6 +211,8 @@ expect_status 0 "$program" smooth quads.vtk --size h -o a.vtk --json report.json
 expect_status 0 "$program" report report.json -o later.html
 cmp -s page.html later.html || fail "the page of a result is that of its run"
 grep -qF 'should have the sizes in <code>h</code>' page.html || fail "the page says the sizes"
+[ "$(grep -c 'class="part"><th scope="row">with sizes, of elements with a movable node<' page.html)" -eq 2 ] ||
+    fail "rows of ratios with sizes have names as those without"
 ! grep -q "does not hold" page.html && grep -q "worst aspect ratio with sizes of elements" page.html ||
     fail "the page claims nothing that does not hold"
 

@@ -30,6 +30,7 @@ const char *pl_figures_find(const cJSON *result, pl_figures *figures) {
     const cJSON *before = cJSON_GetObjectItemCaseSensitive(result, "before");
     const cJSON *after = cJSON_GetObjectItemCaseSensitive(result, "after");
     const cJSON *quality = cJSON_GetObjectItemCaseSensitive(result, "quality");
+    const cJSON *objective = cJSON_GetObjectItemCaseSensitive(result, "objective");
     const char *target = pl_figure_text(result, "target");
     const cJSON *compared = cJSON_GetObjectItemCaseSensitive(result, "compared");
     *figures = (pl_figures){.result = result,
@@ -39,7 +40,8 @@ const char *pl_figures_find(const cJSON *result, pl_figures *figures) {
                             .of_sizes = strcmp(target, "sizes") == 0,
                             .of_metric = strcmp(target, "metric") == 0,
                             .of_layers = strcmp(target, "layers") == 0,
-                            .has_targets = target[0] && strcmp(target, "regular") != 0};
+                            .has_targets = target[0] && strcmp(target, "regular") != 0,
+                            .has_sizes = pl_figure(objective, "size_weight") > 0};
     if (!cJSON_IsObject(result))
         return "is not a JSON object";
     if (cJSON_IsArray(cJSON_GetObjectItemCaseSensitive(result, "meshes")))

@@ -25,6 +25,7 @@ typedef struct pl_figures {
     int of_metric;         /* or those of a metric, */
     int of_layers;         /* or layers were to keep their heights */
     int has_targets;       /* elements are measured against other ones than regular ones */
+    int has_sizes;         /* ratios of elements with a movable node count sizes, too */
     const char *like;      /* the file whose elements are the targets, or "": regular ones */
 } pl_figures;
 

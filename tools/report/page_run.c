@@ -300,15 +300,13 @@ void pl_page_put_surface(pl_markup *page, const pl_figures *figures) {
 
 /** Put what is not worse than before of elements of every type. With weights of sizes ratios count these. */
 static void put_claims_of_types(pl_markup *page, const pl_figures *figures) {
-    const cJSON *objective = cJSON_GetObjectItemCaseSensitive(figures->result, "objective");
-    const int has_sizes = pl_figure(objective, "size_weight") > 0;
     put_claim(page, figures,
-              has_sizes ? "worst aspect ratio with sizes of elements with a movable node"
-                        : "worst aspect ratio of elements with a movable node",
+              figures->has_sizes ? "worst aspect ratio with sizes of elements with a movable node"
+                                 : "worst aspect ratio of elements with a movable node",
               "max_aspect_ratio_movable", 1);
     if (!figures->has_targets)
         put_claim(page, figures, "least scaled Jacobian", "min_scaled_jacobian", 0);
-    if (has_sizes)
+    if (figures->has_sizes)
         put_claim(page, figures, "RMS aspect ratio with sizes of elements with a movable node",
                   "rms_aspect_ratio_movable", 1);
     else

@@ -256,6 +256,13 @@ static void put_spreads(pl_markup *page, const pl_figures *figures) {
     pl_markup_put(page, "</tbody></table></div></details>\n");
 }
 
+/** What a measure is called. */
+static const char *name_of(const pl_figures *figures, const measure *m) {
+    if (figures->has_sizes && strstr(m->key, "aspect_ratio_movable"))
+        return "with sizes, of elements with a movable node";
+    return figures->is_solid ? m->solid : m->plane;
+}
+
 /** Put a table of the measures [n]. */
 static void put_table(pl_markup *page, const pl_figures *figures, const measure *of, int n) {
     pl_markup_put(page, "<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">measure</th>");
@@ -270,7 +277,7 @@ static void put_table(pl_markup *page, const pl_figures *figures, const measure 
         if (!is_asked(figures, m))
             continue;
         pl_markup_put(page, "<tr%s%s%s><th scope=\"row\">%s</th>", m->style[0] ? " class=\"" : "",
-                      m->style, m->style[0] ? "\"" : "", figures->is_solid ? m->solid : m->plane);
+                      m->style, m->style[0] ? "\"" : "", name_of(figures, m));
         for (int s = 0; s < figures->n_states; s++)
             put_value(page, m, figures->state[s]);
         if (figures->n_states == 2)
