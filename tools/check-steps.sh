@@ -77,18 +77,19 @@ steps_side_by_side() {
     done
 }
 
-# build_tree FOLDER CMAKE-OPTION...: configure and build; what it says is shown if it fails.
+# build_tree FOLDER CMAKE-OPTION...: configure and build $target, or all; what it says is shown if it fails.
 build_tree() {
-    local folder=$1 log
+    local folder=$1 log build=()
     shift
     # Only now, as tools/check may just have installed it; a tree that is there keeps its generator.
     ! command -v ninja >/dev/null || export CMAKE_GENERATOR=Ninja
     echo "== building $folder"
+    build=(cmake --build "$folder" -j "$jobs" --target "${target:-all}")
     alone cmake -S . -B "$folder" "$@"
-    alone cmake --build "$folder" -j "$jobs"
+    alone "${build[@]}"
     mkdir -p "$folder"
     log=$folder/build.log
-    if ! { cmake -S . -B "$folder" "$@" && cmake --build "$folder" -j "$jobs"; } >"$log" 2>&1; then
+    if ! { cmake -S . -B "$folder" "$@" && "${build[@]}"; } >"$log" 2>&1; then
         cat "$log"
         echo "FAILED: the build in $folder"
         failed=$((failed + 1))
