@@ -7,7 +7,7 @@
 #include "geometry/cube_root.h"
 #include "geometry/target.h"
 #include "quality/certificate.h"
-#include "quality/curved.h"
+#include "quality/bends.h"
 #include "quality/measure_block.h"
 
 #include <math.h>

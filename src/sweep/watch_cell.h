@@ -9,7 +9,7 @@
 #ifndef PL_SWEEP_WATCH_CELL_H
 #define PL_SWEEP_WATCH_CELL_H
 
-#include "quality/curved.h"
+#include "quality/bends.h"
 #include "sweep/watch.h"
 
 /** Cells of one type whose validity is asked for, one per lane. */

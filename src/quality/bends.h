@@ -1,4 +1,4 @@
-/* curved: which elements of order 2 are curved. Measures and runs ask here, so that both count the same
+/* bends: which elements of order 2 are curved. Measures and runs ask here, so that both count the same
  * ones.
  *
  * A node is off by its distance from the middle of its corners. An element is curved if a node is off by
@@ -10,8 +10,8 @@
  *   pl_is_bent        what decides for most
  *   pl_is_curved      decide
  */
-#ifndef PL_QUALITY_CURVED_H
-#define PL_QUALITY_CURVED_H
+#ifndef PL_QUALITY_BENDS_H
+#define PL_QUALITY_BENDS_H
 
 #include "geometry/inline.h"
 #include "quality/validity.h"
