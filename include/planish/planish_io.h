@@ -74,7 +74,7 @@ typedef struct planish_open_options {
  *  (plane_tolerance).
  *
  *  isolated is for processes that must not die. The HDF5 library (1.10) crashes on some damaged files,
- *  and takes memory without end for others. A file that needs HDF5 (CGNS, MED, VTKHDF, DMPlex) is
+ *  and takes memory without end for others. A file that needs HDF5 (as above) is
  *  therefore first opened in a child process. Packed coordinates are later changed in a child process,
  *  too. Either failure becomes a _FORMAT error. On Linux the child may take 1 GB, and 4 kB for each byte
  *  of the file, up to three quarters of the machine's memory. Opening these files takes twice the time;

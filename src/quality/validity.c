@@ -529,25 +529,33 @@ static int decides(const pl_jacobian_rule *rule, const double b[], double error,
     return 0;
 }
 
-/** Decide one lane by bisections in doubles, depth first. */
-static pl_validity bisect(const pl_jacobian_rule *rule, const pl_jacobian_block *b, int l) {
-    double piece[PL_VALIDITY_DEPTH + 2][PL_JACOBIAN_COEFFICIENTS];
-    int depth[PL_VALIDITY_DEPTH + 2], n = 1, n_boxes = 0;
-    double largest = 0;
-    for (int c = 0; c < rule->n_coefficients; c++) {
-        piece[0][c] = b->coefficient[c][l];
-        largest = fmax(largest, fabs(piece[0][c]));
+/** Put the halves of piece [2][n_coefficients], of which the first is whole. */
+static void halve(const pl_jacobian_rule *rule, int h, double *piece) {
+    const int n_coefficients = rule->n_coefficients;
+    double whole[PL_JACOBIAN_COEFFICIENTS];
+    memcpy(whole, piece, (size_t)n_coefficients * sizeof *whole);
+    memset(piece, 0, 2 * (size_t)n_coefficients * sizeof *piece);
+    for (int half = 0; half < 2; half++) {
+        double *const to = piece + half * n_coefficients;
+        for (int t = 0; t < rule->n_half_terms[h][half]; t++) {
+            const pl_jacobian_term *term = &rule->half_term[h][half][t];
+            to[term->to] += term->weight * whole[term->from];
+        }
+        for (int c = 0; c < n_coefficients; c++)
+            to[c] *= 1.0 / (1 << rule->half_shift[h]);
     }
-    if (!(b->least[l] >= -largest && largest < LARGEST_COEFFICIENT)) /* some may be no numbers */
-        return PL_UNCERTIFIED;
-    /* A bisection takes weighted means of at most 6 coefficients. Each product and sum is rounded;
-       errors of the coefficients themselves get no larger. */
-    const double rounding = 8 * ROUNDING * largest;
-    depth[0] = 0;
+}
+
+/** Decide by bisections of piece [PL_VALIDITY_DEPTH + 2][n_coefficients], of which the first is filled in,
+ *  depth first. error: of its coefficients; rounding: of each bisection. */
+static pl_validity bisect_pieces(const pl_jacobian_rule *rule, double *piece, double error,
+                                 double rounding) {
+    int depth[PL_VALIDITY_DEPTH + 2] = {0}, n = 1, n_boxes = 0;
     while (n > 0) {
         const int at = n - 1;
+        double *const last = piece + at * rule->n_coefficients;
         pl_validity validity;
-        if (decides(rule, piece[at], b->error[l] + depth[at] * rounding, &validity)) {
+        if (decides(rule, last, error + depth[at] * rounding, &validity)) {
             if (validity == PL_INVALID)
                 return PL_INVALID;
             n--;
@@ -555,25 +563,31 @@ static pl_validity bisect(const pl_jacobian_rule *rule, const pl_jacobian_block 
         }
         if (rule->n_turns == 0 || depth[at] == PL_VALIDITY_DEPTH || ++n_boxes > PL_VALIDITY_BOXES)
             return PL_UNCERTIFIED;
-        const int h = rule->turn[depth[at] % rule->n_turns];
-        double whole[PL_JACOBIAN_COEFFICIENTS];
-        for (int c = 0; c < rule->n_coefficients; c++)
-            whole[c] = piece[at][c];
-        for (int half = 0; half < 2; half++) {
-            double *const to = piece[at + half];
-            for (int c = 0; c < rule->n_coefficients; c++)
-                to[c] = 0;
-            for (int t = 0; t < rule->n_half_terms[h][half]; t++) {
-                const pl_jacobian_term *term = &rule->half_term[h][half][t];
-                to[term->to] += term->weight * whole[term->from];
-            }
-            for (int c = 0; c < rule->n_coefficients; c++)
-                to[c] *= 1.0 / (1 << rule->half_shift[h]);
-        }
+        halve(rule, rule->turn[depth[at] % rule->n_turns], last);
         depth[at + 1] = ++depth[at];
         n++;
     }
     return PL_VALID;
+}
+
+/** Decide one lane by bisections in doubles. */
+static pl_validity bisect(const pl_jacobian_rule *rule, const pl_jacobian_block *b, int l) {
+    const int64_t n_coefficients = rule->n_coefficients;
+    double largest = 0;
+    for (int c = 0; c < n_coefficients; c++)
+        largest = fmax(largest, fabs(b->coefficient[c][l]));
+    if (!(b->least[l] >= -largest && largest < LARGEST_COEFFICIENT)) /* some may be no numbers */
+        return PL_UNCERTIFIED;
+    double *piece = pl_alloc((PL_VALIDITY_DEPTH + 2) * n_coefficients, sizeof *piece);
+    if (!piece)
+        return PL_OUT_OF_MEMORY;
+    for (int c = 0; c < n_coefficients; c++)
+        piece[c] = b->coefficient[c][l];
+    /* A bisection takes weighted means of at most 6 coefficients. Each product and sum is rounded;
+       errors of the coefficients themselves get no larger. */
+    const pl_validity validity = bisect_pieces(rule, piece, b->error[l], 8 * ROUNDING * largest);
+    pl_free(piece);
+    return validity;
 }
 
 /* ---- Integers ------------------------------------------------------------------------------ */

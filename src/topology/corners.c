@@ -159,10 +159,11 @@ static int count_all(passes *p, int threads, int64_t *n, int64_t *n_corners, pla
     if (*n == 0)
         return pl_fail(error, PLANISH_ERROR_MESH,
                        "mesh.cells has no %s; other elements are measured (planish_measure_cells), "
-                       "but not smoothed",
+                       "but not smoothed%s",
                        p->mesh->dim == 3
                            ? "tetrahedron, hexahedron or wedge, and no pyramid of order 1"
-                           : "triangle or quadrilateral");
+                           : "triangle or quadrilateral",
+                       p->mesh->dim == 3 ? "; surfaces in space: planish_smooth_surface" : "");
     if (*n_corners >= INT32_MAX)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "the elements of mesh.cells have %" PRId64

@@ -9,6 +9,8 @@ python3 "$cli/layers_second.py" 3 1 >bent.vtk
 expect_status 0 "$program" smooth bent.vtk -o out.vtk --json report.json -j 1
 expect_json 'r["before"]["inverted"] == len(r["before"]["worst_elements"][:4]) == 4 and r["after"]["inverted"] == 0'
 expect_json '0.9 <= r["layer_heights"]["min"] and r["layer_heights"]["max"] <= 1.1 and r["layer_heights"]["held_nodes"] > 50'
+# Mids whose ends are held are held for that, and not because the file would ask for it.
+expect_json 'r["mesh"]["held"]["layers"] > 0 and r["mesh"]["held"]["required"] == 0'
 ! grep -q "heights of layers are" err || fail "there is nothing to note: $(cat err)"
 
 # ---- elements that need the heights beside them: the others are kept

@@ -14,7 +14,7 @@ sed 's/worst radius ratio   *98.386$/worst radius ratio 98.385/' "$source_folder
 cmp -s wrong.md "$source_folder/docs/tutorial.md" && fail "the first figure of the tutorial was not found"
 mkdir again
 ln -s "$source_folder" again/planish
-(cd again && PATH=$work/bin:$PATH python3 "$cli/tutorial.py" ../wrong.md 3 >out) &&
+(cd again && PATH=$work/bin:$PATH python3 "$cli/tutorial.py" ../wrong.md 4 >out) &&
     fail "a wrong figure was not found"
 grep -q 98.385 again/out || fail "another line was found wrong: $(cat again/out)"
 finish

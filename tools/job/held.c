@@ -10,6 +10,7 @@
 #include "terminal/text.h"
 
 #include "base/clock.h"
+#include "geometry/cell.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -95,6 +96,22 @@ static void mark_mids(const pl_job *job, uint16_t *bits) {
     }
 }
 
+/** Give mids of order 2 that are fixed, nobody says why, the reasons of their ends. */
+static void give_reasons_of_ends(const pl_job *job, uint16_t *bits) {
+    const planish_cells *cells = job->mesh.cells;
+    const uint16_t all = (1 << PL_N_CAUSES) - 1;
+    for (int64_t i = 0; cells && i < cells->n; i++) {
+        const pl_cell_type *type = pl_cell_type_of(cells->type[i]);
+        const int32_t *node = cells->node + cells->offset[i];
+        for (int j = type ? type->shape->n_corners : 0; type && j < type->n_nodes; j++) {
+            const uint16_t a = bits[node[type->between[j][0]]], b = bits[node[type->between[j][1]]];
+            if (node[j] >= 0 && (bits[node[j]] & PL_HELD_TOLD) && !(bits[node[j]] & all) &&
+                (a & all) && (b & all))
+                bits[node[j]] |= (a | b) & all;
+        }
+    }
+}
+
 /** Fill bits with all reasons; scratch [n_nodes]. */
 static int find_reasons(const pl_job *job, uint8_t *scratch, uint16_t *bits) {
     const planish_hold hold = pl_job_hold(job);
@@ -118,9 +135,11 @@ static int find_reasons(const pl_job *job, uint8_t *scratch, uint16_t *bits) {
     for (int64_t i = 0; i < n; i++)
         scratch[i] = PLANISH_CONSTRAINT_FREE;
     pl_job_hold_layers(job, scratch);
-    for (int64_t i = 0; i < n; i++) {
+    for (int64_t i = 0; i < n; i++)
         if (bits[i] && scratch[i] == PLANISH_CONSTRAINT_FIXED)
             bits[i] |= 1 << PL_CAUSE_LAYERS;
+    give_reasons_of_ends(job, bits);
+    for (int64_t i = 0; i < n; i++) {
         /* The slides hold some that nobody has a reason for. */
         if ((bits[i] & PL_HELD_TOLD) && !(bits[i] & all))
             bits[i] |= 1 << PL_CAUSE_REQUIRED;

@@ -31,7 +31,8 @@ def smooth(mesh):
 document = FreeCAD.ActiveDocument
 chosen = FreeCAD.Gui.Selection.getSelection() if FreeCAD.GuiUp else []
 for mesh in chosen or document.Objects:
-    if hasattr(mesh, "FemMesh"):
+    is_result = getattr(getattr(mesh, "Proxy", None), "Type", "") == "Fem::MeshResult"
+    if hasattr(mesh, "FemMesh") and not is_result:
         smooth(mesh)
 if not FreeCAD.GuiUp:
     document.save()

@@ -1,5 +1,6 @@
 """salome_smooth: smooth a mesh of Salome's module Mesh with planish, by MED files.
 
+    import sys; sys.path.append(FOLDER)      # of this file; planish must be in PATH
     from salome_smooth import smooth         # in Salome's Python console, or a script: File > Load Script
     better = smooth(mesh, "--slide", "auto") # mesh of smeshBuilder; a new mesh of the study, with the same groups
 
