@@ -54,6 +54,7 @@ ALLOWED = [
     ("src/io/xdmf/", "src/io/vtk/", "XDMF's cells and numbers are VTK's"),
     ("tools/job/output", "src/io/file/", "names of the files of a mesh"),
     ("tools/job/angles", "src/geometry/", "angles"),
+    ("tools/job/held", "src/geometry/", "ends of an edge"),
     ("tools/job/curved", "src/geometry/", "facets of a type"),
     ("tools/job/unjoined", "src/geometry/", "facets of a type"),
     ("tools/report/drawn_triangles", "src/topology/", "facets"),
