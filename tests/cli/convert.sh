@@ -27,6 +27,38 @@ done
 cmp -s view.vtu VIEW.VTU || fail "two conversions differ"
 expect_status 0 "$program" smooth "$data/binary41.msh" -o back.msh -q
 
+# Nodes of order 2 that are left out: those of elements that have not all of their mids, and those in the base of pyramids.
+{
+    echo "BEGIN BULK"
+    awk 'BEGIN { split("0 1 0 0", x, " "); split("0 0 1 0", y, " "); split("0 0 0 1", z, " "); split("1 2 3 1 2 3", a, " ");
+        split("2 3 1 4 4 4", b, " ")
+        for (i = 1; i <= 4; i++) printf "GRID,%d,,%.1f,%.1f,%.1f\n", i, x[i], y[i], z[i]
+        for (i = 1; i <= 6; i++) printf "GRID,%d,,%.1f,%.1f,%.1f\n", i + 4, (x[a[i]] + x[b[i]]) / 2,
+            (y[a[i]] + y[b[i]]) / 2, (z[a[i]] + z[b[i]]) / 2 }'
+    printf 'CTETRA,1,1,1,2,3,4,5,%s,+\n+,7,8,9,10\n' ''
+    echo ENDDATA
+} >lacks.bdf
+sed 's/,4,5,,+/,4,5,6,+/' lacks.bdf >whole.bdf
+sed 's/,4,5,,+/,4,,,+/; s/^+,7,8,9,10/+,,,,/' lacks.bdf >straight.bdf
+expect_status 0 "$program" convert lacks.bdf -o out.msh
+expect_text "lacks mids of 1 elements that have not all of them"
+for name in whole straight; do
+    expect_status 0 "$program" convert $name.bdf -o out.msh
+    ! grep -q "mids of" err || fail "$name.bdf: no mid is left out: $(cat err)"
+done
+cat >pyramid.mesh <<'END'
+MeshVersionFormatted 2 Dimension 3 Vertices 14
+-1 -1 0 0  1 -1 0 0  1 1 0 0  -1 1 0 0  0 0 1 0  0 -1 0 0  1 0 0 0  0 1 0 0  -1 0 0 0
+-0.5 -0.5 0.5 0  0.5 -0.5 0.5 0  0.5 0.5 0.5 0  -0.5 0.5 0.5 0  0 0 0 0
+PyramidsP2 1
+1 2 3 4 5 6 7 8 9 10 11 12 13 14 1
+End
+END
+for out in out.vtu out.vtk; do
+    expect_status 0 "$program" convert pyramid.mesh -o $out
+    expect_text "lacks nodes in the base of 1 pyramids"
+done
+
 # From any format; of a plane mesh, its z.
 for in in medit.mesh tetgen.node square.msh binary22.msh zlib.vtu binary.vtk; do
     for out in out.vtk out.vtu; do

@@ -437,7 +437,9 @@ static void copies_do_without_missing_nodes(void **state) {
         io_model_add_other(&file->model, PLANISH_CELL_PYRAMID14, pyramid, IO_NO_ENTITY, 99, NULL),
         0);
     planish_file *vtu = convert(*state, file, "copy.vtu", lost);
-    assert_int_equal(strncmp(lost, "1 elements of other types", 25), 0);
+    assert_non_null(
+        strstr(lost, "nodes in the base of 1 pyramids, 1 elements of other types, mids of "));
+    assert_non_null(strstr(lost, " elements that have not all of them"));
     planish_cells p, q;
     assert_int_equal(planish_file_cells(file, &p, NULL), 0);
     assert_int_equal(planish_file_cells(vtu, &q, NULL), 0);

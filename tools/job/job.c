@@ -329,7 +329,9 @@ static int check_curved(const pl_job *job) {
         arguments->command != PL_COMMAND_SMOOTH)
         return 0;
     return pl_complain_usage(pl_command_name(arguments->typed),
-                             "--%s has no effect without --slide curved", arguments->of_curved);
+                             arguments->onto ? "--%s has no effect with --onto"
+                                             : "--%s has no effect without --slide curved",
+                             arguments->of_curved);
 }
 
 /** Say what layers cannot be kept with, NULL: nothing. */

@@ -22,16 +22,17 @@
 
 #include <inttypes.h>
 
-/** Watch all elements of mids that have moved by themselves; the result counts these mids. */
+/** Watch all elements of mids that have moved by themselves, those of an earlier call are watched; the result
+ *  counts the mids of both. */
 static int watch_more(const pl_mend *c, planish_error *error) {
     int64_t n = 0, room = 0, n_mids = 0;
     int32_t *element = NULL;
     int has_memory = 1;
     for (int64_t node = 0; node < c->plan->whole.n_nodes; node++) {
-        if (c->kind[node] != PL_MEND_MID || !pl_mid_has_moved(&c->watch->mids, (int32_t)node))
-            continue;
-        n_mids++;
-        for (int64_t k = c->begin[node]; k < c->begin[node + 1]; k++)
+        const int has_moved = pl_mid_has_moved(&c->watch->mids, (int32_t)node);
+        n_mids += has_moved;
+        for (int64_t k = c->begin[node];
+             has_moved && c->kind[node] == PL_MEND_MID && k < c->begin[node + 1]; k++)
             has_memory &= pl_append(&element, &n, &room, &c->at[k], sizeof *element) != NULL;
     }
     c->run->result->n_released_mids = n_mids;

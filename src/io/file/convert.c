@@ -144,12 +144,24 @@ static void list_keywords(const io_names *names, io_losses *losses) {
         io_losses_add(losses, "%s", text);
 }
 
+/** Return how many elements lose mids, as another one is missing. */
+static int64_t count_cut(const io_view *view) {
+    int64_t n = 0;
+    io_view_cell cell;
+    for (int64_t i = 0; i < view->n_cells; i++) {
+        io_view_cell_at(view, i, &cell);
+        n += cell.loses_mids;
+    }
+    return n;
+}
+
 /** List what no writer writes. */
 static void list_losses(const io_view *view, io_losses *losses) {
     const io_model *model = view->model;
     list_keywords(&model->not_carried, losses);
     const int64_t kept =
         model->line.n + (io_model_dim(model) == 3 ? model->triangle.n + model->flat.n : 0);
+    const int64_t n_cut = count_cut(view);
     int has_cell_fields = 0;
     for (int i = 0; i < view->n_fields; i++)
         has_cell_fields |= view->field[i].of_elements;
@@ -158,6 +170,8 @@ static void list_losses(const io_view *view, io_losses *losses) {
     if (model->n_lower > kept)
         io_losses_add(losses, "%" PRId64 " points, lines or surface elements",
                       model->n_lower - kept);
+    if (n_cut > 0)
+        io_losses_add(losses, "mids of %" PRId64 " elements that have not all of them", n_cut);
     if (model->n_periodic > 0)
         io_losses_add(losses, "%" PRId64 " periodic pairs", model->n_periodic);
     if (has_cell_fields && kept > 0)

@@ -18,20 +18,25 @@ static const uint8_t list_of_kind[IO_VIEW_KINDS] = {3, 2, 1, IO_SOLID_LIST, IO_F
 static void set_other(const io_others *others, int64_t i, io_view_cell *cell) {
     const int32_t *from = others->node + others->offset[i];
     const int n = io_cell_type_nodes(others->type[i]);
+    const int straight = io_cell_type_straight(others->type[i]),
+              n_corners = io_cell_type_nodes(straight);
     int n_there = 0;
-    while (n_there < n && from[n_there] >= 0)
-        n_there++;
-    cell->type = n_there == n ? others->type[i] : io_cell_type_straight(others->type[i]);
+    for (int k = 0; k < n; k++)
+        n_there += from[k] >= 0;
+    cell->type = n_there == n ? others->type[i] : straight;
     cell->n_nodes = io_cell_type_nodes(cell->type);
+    cell->loses_mids = n_there < n && n_there > n_corners;
     memcpy(cell->node, from, (size_t)cell->n_nodes * sizeof *from);
 }
 
 static void set_simplex(const io_cells *cells, int dim, int64_t i, io_view_cell *cell) {
     const int n_mids = io_n_mids(dim);
     const int32_t *mid = cells->mid ? cells->mid + i * n_mids : NULL;
-    int has_mids = mid != NULL;
-    for (int k = 0; has_mids && k < n_mids; k++)
-        has_mids = mid[k] >= 0;
+    int n_there = 0;
+    for (int k = 0; mid && k < n_mids; k++)
+        n_there += mid[k] >= 0;
+    const int has_mids = mid && n_there == n_mids;
+    cell->loses_mids = n_there > 0 && !has_mids;
     cell->type = io_simplex_type(dim, has_mids);
     cell->n_nodes = dim + 1 + (has_mids ? n_mids : 0);
     memcpy(cell->node, cells->nodes + i * (dim + 1), (size_t)(dim + 1) * sizeof *mid);

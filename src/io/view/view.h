@@ -78,6 +78,7 @@ void io_view_end(io_view *view);
 typedef struct io_view_cell {
     int dim, type; /* planish_cell_type; elements without one of their mids are straight */
     int n_nodes;
+    int loses_mids;              /* it has some, but not all */
     int32_t node[IO_CELL_NODES]; /* indices, in VTK's order */
     int32_t entity;              /* index, or -1 */
     int64_t region;              /* number that tells it: of the entity, or of regions by arrays */

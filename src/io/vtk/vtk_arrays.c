@@ -273,6 +273,18 @@ static void lose_volumes(const io_view *view, io_losses *losses) {
                       (long long)n);
 }
 
+/** Note pyramids whose node in the base is not written. */
+static void lose_bases(const io_view *view, io_losses *losses) {
+    int64_t n = 0;
+    io_view_cell cell;
+    for (int64_t i = 0; i < view->n_cells; i++) {
+        io_view_cell_at(view, i, &cell);
+        n += cell.type == PLANISH_CELL_PYRAMID14;
+    }
+    if (n > 0)
+        io_losses_add(losses, "nodes in the base of %lld pyramids", (long long)n);
+}
+
 int vtk_arrays_begin(const io_view *view, io_losses *losses, vtk_out_arrays *a,
                      planish_error *error) {
     const io_model *model = view->model;
@@ -303,6 +315,7 @@ int vtk_arrays_begin(const io_view *view, io_losses *losses, vtk_out_arrays *a,
     add_fields(view, losses, a);
     io_view_lose_further(view, losses);
     lose_volumes(view, losses);
+    lose_bases(view, losses);
     return PLANISH_OK;
 }
 
