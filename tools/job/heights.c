@@ -304,8 +304,8 @@ static double find_worst(const planish_layer_heights *of, int *row) {
 
 /** What keeps heights better; holding layers would keep inverted elements, too. is_valid: there were none. */
 static const char *advice(const pl_job *job, const planish_layer_heights *of, int is_valid) {
-    if (job->onto
-            .fit) /* sweeps are not repeated; with its layers held, the surface would not be fitted */
+    /* Sweeps are not repeated there, and a surface whose layers are held would not be fitted. */
+    if (job->onto.fit)
         return ": with --onto they may change; --like IN keeps them better";
     if (of->n_at_moved_walls > 0)
         return is_valid ? ": --like FILE, the mesh before its wall moved, keeps them better, and "
